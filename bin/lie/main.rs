@@ -1,0 +1,2 @@
+//! The `lie` executable.
+fn main() {}

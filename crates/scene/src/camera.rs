@@ -1,0 +1,103 @@
+use glam::{Quat, UVec2, Vec2, Vec3};
+use lie_geom::Ray;
+
+/// A pinhole camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Name to call it by.
+    pub name: String,
+    /// The pinhole, in world space.
+    pub eye: Vec3,
+    /// World from camera: the camera looks along −z, with +x to the right and +y up.
+    pub orientation: Quat,
+    /// Vertical field of view in radians, in `(0, π)`.
+    pub vertical_fov: f32,
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target`. A target at the eye looks along −z; an
+    /// `up` along the view is replaced by another axis.
+    #[must_use]
+    pub fn look_at(
+        name: impl Into<String>,
+        eye: Vec3,
+        target: Vec3,
+        up: Vec3,
+        vertical_fov: f32,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            eye,
+            orientation: orientation_towards(target - eye, up),
+            vertical_fov,
+        }
+    }
+
+    /// The ray through a point of the film: (0, 0) is the upper left corner, `size` the
+    /// lower right one. Its direction has unit length.
+    #[must_use]
+    #[inline]
+    pub fn ray(&self, film: Vec2, size: UVec2) -> Ray {
+        let size = size.as_vec2();
+        let half_height = (0.5 * self.vertical_fov).tan();
+        let x = (2.0 * film.x - size.x) / size.y * half_height;
+        let y = (size.y - 2.0 * film.y) / size.y * half_height;
+        let direction = self.orientation * Vec3::new(x, y, -1.0);
+        Ray::new(self.eye, direction.normalize_or(Vec3::NEG_Z))
+    }
+
+    /// Where the camera looks; unit length.
+    #[must_use]
+    pub fn forward(&self) -> Vec3 {
+        self.orientation * Vec3::NEG_Z
+    }
+
+    /// Whether every number is finite, the orientation a rotation and the field of view possible.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        self.eye.is_finite()
+            && self.orientation.is_finite()
+            && self.orientation.is_normalized()
+            && self.vertical_fov > 0.0
+            && self.vertical_fov < std::f32::consts::PI
+    }
+}
+
+/// The rotation that turns −z towards `forward` and keeps +y near `up`.
+pub(crate) fn orientation_towards(forward: Vec3, up: Vec3) -> Quat {
+    let back = -forward.normalize_or(Vec3::NEG_Z);
+    let right = up
+        .cross(back)
+        .try_normalize()
+        .unwrap_or_else(|| back.any_orthonormal_vector());
+    Quat::from_mat3(&glam::Mat3::from_cols(right, back.cross(right), back)).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_meet_the_corners_of_the_film() {
+        let fov = std::f32::consts::FRAC_PI_2;
+        let camera = Camera::look_at("test", Vec3::Y, Vec3::new(0.0, 1.0, -5.0), Vec3::Y, fov);
+        let size = UVec2::new(200, 100);
+        let middle = camera.ray(Vec2::new(100.0, 50.0), size);
+        assert!((middle.direction - Vec3::NEG_Z).length() < 1.0e-6);
+        let corner = camera.ray(Vec2::ZERO, size).direction;
+        assert!((corner / -corner.z - Vec3::new(-2.0, 1.0, -1.0)).length() < 1.0e-5);
+    }
+
+    #[test]
+    fn looking_along_up_or_nowhere_still_gives_a_rotation() {
+        for (target, up) in [
+            (Vec3::Y, Vec3::Y),
+            (Vec3::ZERO, Vec3::Y),
+            (Vec3::X, Vec3::ZERO),
+        ] {
+            let camera = Camera::look_at("test", Vec3::ZERO, target, up, 1.0);
+            assert!(camera.is_valid());
+            assert!(camera.forward().dot(target.normalize_or(Vec3::NEG_Z)) > 0.9999);
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! What is rendered: geometry, materials, textures, lights, cameras and walkthroughs.
+//!
+//! Conventions: right-handed, y up, metres, radians, linear Rec. 709 RGB. Radiant
+//! intensity in W·sr⁻¹, radiance in W·sr⁻¹·m⁻², irradiance in W·m⁻², each per channel.
+//! glTF's candela and cd·m⁻² are taken one to one as these; an exposure setting does the
+//! rest. A cone's angles are measured from its axis. All geometry is in world space:
+//! loaders apply every transform.
+
+mod camera;
+mod geometry;
+mod light;
+mod material;
+mod model;
+mod surface;
+mod texture;
+mod walkthrough;
+
+pub use camera::Camera;
+pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
+pub use light::{AreaLight, AreaShape, Light, LightKind, LightSample};
+pub use material::{AlphaMode, Material, TextureRef};
+pub use model::{Background, RenderSettings, Scene, SceneError};
+pub use surface::Surface;
+pub use texture::{Texture, TextureError};
+pub use walkthrough::{KeyFrame, Walkthrough};
