@@ -1,28 +1,44 @@
 //! The one place that knows bincode: little-endian, variable-length integers.
+//!
+//! Public for the one structure outside this crate that wants the same care: a scene's
+//! description in its container.
 
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::limit;
 
-/// What one decoding may claim. bincode counts an integer by its size in memory, not by
-/// the bytes it took, so a body of single-byte integers claims eight times its length;
+/// What decoding a message may claim. bincode counts an integer by its size in memory, not
+/// by the bytes it took, so a body of single-byte integers claims eight times its length;
 /// eight times the longest body is never too little for an honest message.
 const CLAIM: usize = 8 * limit::LIE_DELTA as usize;
 
 /// Appends `value` to `out`.
-pub(crate) fn write<T: Serialize>(value: &T, out: &mut Vec<u8>) -> Result<(), String> {
-    let config = bincode::config::standard().with_limit::<CLAIM>();
-    bincode::serde::encode_into_std_write(value, out, config)
+///
+/// # Errors
+/// What bincode says.
+pub fn write<T: Serialize>(value: &T, out: &mut Vec<u8>) -> Result<(), String> {
+    bincode::serde::encode_into_std_write(value, out, bincode::config::standard())
         .map(|_| ())
         .map_err(|error| error.to_string())
 }
 
-/// Reads a value from the start of `bytes`; also returns what follows it.
-pub(crate) fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<(T, &[u8]), String> {
-    let config = bincode::config::standard().with_limit::<CLAIM>();
+/// Reads a value from the start of `bytes`; also returns what follows it. Claims at most
+/// `LIMIT` bytes of memory for integers, texts and lists of bytes.
+///
+/// # Errors
+/// What bincode says.
+pub fn read_within<T: DeserializeOwned, const LIMIT: usize>(
+    bytes: &[u8],
+) -> Result<(T, &[u8]), String> {
+    let config = bincode::config::standard().with_limit::<LIMIT>();
     bincode::serde::decode_from_slice(bytes, config)
         .map(|(value, used)| (value, &bytes[used..]))
         .map_err(|error| error.to_string())
+}
+
+/// [`read_within`] the limit of messages.
+pub(crate) fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<(T, &[u8]), String> {
+    read_within::<T, CLAIM>(bytes)
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ mod message;
 
 mod body;
 mod bounded;
-mod codec;
+pub mod codec;
 mod constructor_client;
 mod constructor_shader;
 mod decoder;
