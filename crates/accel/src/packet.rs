@@ -1,7 +1,6 @@
 //! Sixteen rays through the tree together: each box and each triangle is loaded once and
 //! tested against all of them.
 
-use glam::Vec3;
 use lie_geom::{Hit, LaneHit, Ray, intersect_lane};
 use multiversion::multiversion;
 
