@@ -9,8 +9,8 @@ pub struct WireLieSettings {
     pub max_depth: u32,
     /// Sum of occluders above which a cell splits.
     pub split_threshold: u32,
-    /// Sample points on each area light.
-    pub light_samples: u32,
+    /// Samples in a cell before it is relied on.
+    pub trust: u32,
 }
 
 /// One part of an update: the newest states of the cells that have changed between two

@@ -102,14 +102,14 @@ fn cell() -> impl Strategy<Value = WireCell> {
 pub(crate) fn constructor_to_shader() -> impl Strategy<Value = ConstructorToShader> {
     use ConstructorToShader as M;
     let welcome = (any::<u32>(), hash(), any::<u64>(), any::<[u32; 3]>()).prop_map(
-        |(id, scene, scene_length, [max_depth, split_threshold, light_samples])| ShaderWelcome {
+        |(id, scene, scene_length, [max_depth, split_threshold, trust])| ShaderWelcome {
             id,
             scene,
             scene_length,
             settings: WireLieSettings {
                 max_depth,
                 split_threshold,
-                light_samples,
+                trust,
             },
         },
     );

@@ -1,0 +1,3 @@
+pub mod construct;
+pub mod render;
+pub mod replica;
