@@ -1,14 +1,13 @@
 //! The one place where wire types become domain types and back.
 
 use glam::{Quat, UVec2, Vec3};
+use lie_octree::{CellBody, CellKey, CellState, LieState, LitLight};
 use lie_protocol::{
     BeginFrame, SceneHash, SceneSummary, Text, WireBody, WireCamera, WireCell, WireIntegrator,
     WireKeyFrame, WireLight, WireRenderSettings, WireWalkthrough, limit,
 };
-use lie_octree::{CellBody, CellKey, CellState, LieState, LitLight};
+use lie_render::{FrameSettings, Integrator};
 use lie_scene::{Camera, KeyFrame, RenderSettings, Scene, Walkthrough};
-
-use crate::standin::render::{FrameSettings, Integrator};
 
 /// Why what a peer sent is not what it should be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -199,20 +198,12 @@ pub fn wire_cell(state: &CellState) -> WireCell {
     }
 }
 
-/// What a cell's indices must stay below.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CellLimits {
-    /// Lights in the scene.
-    pub lights: u32,
-    /// Triangles in the scene.
-    pub triangles: u32,
-}
-
-/// A cell from the constructor.
+/// A cell from the constructor. Whether its lights and triangles exist is for
+/// [`crate::LieReplica::apply`] to say.
 ///
 /// # Errors
 /// [`ConvertError::Cell`].
-pub fn cell(cell: WireCell, limits: CellLimits) -> Result<CellState, ConvertError> {
+pub fn cell(cell: WireCell) -> Result<CellState, ConvertError> {
     let raw = cell.key;
     let wrong = |problem| ConvertError::Cell { key: raw, problem };
     let key = CellKey::from_raw(raw).ok_or_else(|| wrong("no cell has this key"))?;
@@ -220,12 +211,8 @@ pub fn cell(cell: WireCell, limits: CellLimits) -> Result<CellState, ConvertErro
         WireBody::Interior => CellBody::Inner,
         WireBody::Leaf { trusted, lights } => {
             let rising = lights.windows(2).all(|pair| pair[0].light < pair[1].light);
-            if !rising || lights.last().is_some_and(|lit| lit.light >= limits.lights) {
-                return Err(wrong("its lights are out of order or unknown"));
-            }
-            let mut occluders = lights.iter().flat_map(|lit| &lit.occluders);
-            if occluders.any(|&triangle| triangle >= limits.triangles) {
-                return Err(wrong("an occluder is no triangle of the scene"));
+            if !rising {
+                return Err(wrong("its lights are out of order"));
             }
             let lights = lights.into_iter().map(|lit| LitLight {
                 light: lit.light,

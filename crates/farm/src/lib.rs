@@ -1,12 +1,16 @@
-//! The processes of a farm.
+//! The processes of the renderer and what they share.
+
 pub mod cache;
 pub mod connection;
+mod construct;
 pub mod convert;
 pub mod handshake;
 pub mod network;
 pub mod outbox;
 pub mod pixels;
+mod replica;
 pub mod scene_blob;
 pub mod scheduler;
-#[allow(missing_docs, clippy::all, unreachable_pub, dead_code, clippy::unwrap_used)]
-mod standin;
+
+pub use construct::{BatchReport, Builder, ConstructSettings, View};
+pub use replica::{LieReplica, PublishedLies, ReplicaError};

@@ -129,10 +129,18 @@ mod tests {
         let taken = bind("127.0.0.1:0", Exposure::Loopback).await.unwrap();
         let address = taken.local_addr().unwrap().to_string();
         let in_use = bind(&address, Exposure::Loopback).await.unwrap_err();
-        assert!(in_use.to_string().starts_with(&format!("cannot listen on {address}: ")));
+        assert!(
+            in_use
+                .to_string()
+                .starts_with(&format!("cannot listen on {address}: "))
+        );
         drop(taken);
         let nobody = dial(&address, Exposure::Loopback).await.unwrap_err();
-        assert!(nobody.to_string().starts_with(&format!("cannot reach {address}: ")));
+        assert!(
+            nobody
+                .to_string()
+                .starts_with(&format!("cannot reach {address}: "))
+        );
         for wrong in ["here", "127.0.0.1:99999", ""] {
             let error = dial(wrong, Exposure::Loopback).await.unwrap_err();
             assert!(matches!(error, NetworkError::Address { .. }), "{error}");

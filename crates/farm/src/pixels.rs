@@ -65,7 +65,9 @@ pub fn unpack(
     };
     Ok(plain
         .chunks_exact(3 * channel_bytes)
-        .map(|pixel| std::array::from_fn(|at| channel(&pixel[at * channel_bytes..][..channel_bytes])))
+        .map(|pixel| {
+            std::array::from_fn(|at| channel(&pixel[at * channel_bytes..][..channel_bytes]))
+        })
         .collect())
 }
 

@@ -34,6 +34,8 @@ pub struct Observation {
     pub predicted: f32,
     /// Luminance of the pixel as it is.
     pub actual: f32,
+    /// Whether shaders rely on the cell.
+    pub trusted: bool,
     /// Rays that had to go through the whole scene.
     pub scene_rays: u32,
 }
@@ -68,6 +70,7 @@ pub fn observe(
         outcomes: Vec::with_capacity(rays.len()),
         predicted: 0.0,
         actual: 0.0,
+        trusted,
         scene_rays: 0,
     };
     for ShadowRay { light, ray, weight } in rays {

@@ -1,5 +1,7 @@
 //! What must hold for any world and any order of samples.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use glam::Vec3;
@@ -28,6 +30,7 @@ fn observation() -> impl Strategy<Value = Observation> {
             outcomes,
             predicted: 0.0,
             actual: 0.0,
+            trusted: false,
             scene_rays: 0,
         }
     })

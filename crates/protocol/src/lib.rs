@@ -61,7 +61,7 @@ pub use message::Message;
 pub use session::{Goodbye, Ping, Pong};
 pub use shader_client::{
     BeginFrame, CancelBefore, ClientToShader, Compression, PixelFormat, ShaderToClient, TileDone,
-    TileReport, TileRequest, TileTiming, TileWelcome, WireIntegrator,
+    TileReport, TileRequest, TileWelcome, WireCost, WireIntegrator,
 };
 pub use text::Text;
 pub use view::{

@@ -78,19 +78,33 @@ pub struct TileRequest {
     pub size: [u32; 2],
 }
 
-/// Where a tile's time went, in microseconds.
+/// What a tile cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TileTiming {
-    /// From the request's arrival to the start of the work.
-    pub queued_us: u64,
-    /// All of the rendering.
-    pub render_us: u64,
-    /// Of it: what is seen.
-    pub visibility_us: u64,
-    /// Of it: lights that need no ray.
-    pub unoccluded_us: u64,
-    /// Of it: lights that need rays.
-    pub partial_us: u64,
+pub struct WireCost {
+    /// Nanoseconds from the request's arrival to the start of the work.
+    pub queued_ns: u64,
+    /// Nanoseconds of rendering, of which the next four are parts.
+    pub render_ns: u64,
+    /// Nanoseconds in primary visibility.
+    pub visibility_ns: u64,
+    /// Nanoseconds in lights that no ray is needed for.
+    pub unoccluded_ns: u64,
+    /// Nanoseconds in lights tested against occluder lists.
+    pub partial_ns: u64,
+    /// Nanoseconds in lights tested against the whole scene.
+    pub full_ns: u64,
+    /// Camera rays.
+    pub primary_rays: u64,
+    /// Shadow rays through the whole scene.
+    pub shadow_rays: u64,
+    /// Rays tested against an occluder list instead.
+    pub list_rays: u64,
+    /// Triangles in the lists that those rays met.
+    pub occluder_tests: u64,
+    /// Camera rays whose surface point was shaded from a trusted LIE.
+    pub trusted: u64,
+    /// Camera rays that met a surface.
+    pub surfaces: u64,
 }
 
 /// All of a finished tile but its pixels.
@@ -102,16 +116,8 @@ pub struct TileReport {
     pub tile: u32,
     /// The LIEs it was shaded with.
     pub lie_version: u64,
-    /// Pixels that needed no ray beyond what their LIE told.
-    pub trusted_pixels: u32,
-    /// Camera rays.
-    pub primary_rays: u64,
-    /// Full shadow rays.
-    pub shadow_rays: u64,
-    /// Tests against known occluders.
-    pub occluder_tests: u64,
-    /// Where the time went.
-    pub timing: TileTiming,
+    /// What it cost.
+    pub cost: WireCost,
 }
 
 /// A finished tile. Body: the report as bincode, then the pixels as bytes.

@@ -191,11 +191,7 @@ fn what_is_too_long_to_be_read_is_not_sent() {
         frame: 0,
         tile: 0,
         lie_version: 0,
-        trusted_pixels: 0,
-        primary_rays: 0,
-        shadow_rays: 0,
-        occluder_tests: 0,
-        timing: TileTiming::default(),
+        cost: WireCost::default(),
     };
     let mut out = vec![1, 2, 3];
     let message = ShaderToClient::TileDone(TileDone { report, pixels });

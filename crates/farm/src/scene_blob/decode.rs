@@ -30,7 +30,9 @@ pub fn decode(bytes: &[u8]) -> Result<Scene, BlobError> {
     let mut arrays = Arrays { rest: arrays };
     let scene = assemble(description, &mut arrays)?;
     if !arrays.rest.is_empty() {
-        return Err(BlobError::Array { array: "last bytes" });
+        return Err(BlobError::Array {
+            array: "last bytes",
+        });
     }
     scene.validate()?;
     Ok(scene)
@@ -52,7 +54,9 @@ fn assemble(description: Description, arrays: &mut Arrays<'_>) -> Result<Scene, 
     let vertices = arrays.floats::<8>(description.vertices, "vertices")?;
     let vertices = vertices.map(vertex).collect();
     let triangles = arrays.words::<3>(description.triangles, "triangles")?;
-    let triangles = triangles.map(|words| words.map(u32::from_le_bytes)).collect();
+    let triangles = triangles
+        .map(|words| words.map(u32::from_le_bytes))
+        .collect();
     let parts = description.parts.into_iter().map(part).collect();
     let lights = description.lights.into_iter();
     let lights = lights.map(|light| self::light(light, arrays));

@@ -35,7 +35,9 @@ pub(crate) fn full_scene() -> Scene {
     Scene {
         name: "with 'ümläuts'".into(),
         geometry: Geometry::new(
-            [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE].map(vertex).to_vec(),
+            [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE]
+                .map(vertex)
+                .to_vec(),
             vec![[0, 1, 2], [1, 2, 3], [0, 2, 3]],
             vec![part("a", 0..1), part("b", 1..3)],
         )
@@ -43,29 +45,44 @@ pub(crate) fn full_scene() -> Scene {
         materials: vec![Material::default(), textured],
         textures: vec![texture(1).unwrap(), texture(3).unwrap()],
         lights: vec![
-            light("point", LightKind::Point {
-                position: Vec3::Y,
-                radiant_intensity: Vec3::splat(2.0),
-            }),
-            light("spot", LightKind::Spot {
-                position: Vec3::Y,
-                direction: Vec3::NEG_Y,
-                radiant_intensity: Vec3::ONE,
-                cos_inner: 0.9,
-                cos_outer: 0.8,
-            }),
-            light("sun", LightKind::Directional {
-                direction: Vec3::NEG_Y,
-                irradiance: Vec3::ONE,
-            }),
-            light("panel", area(AreaShape::Rectangle {
-                corner: Vec3::Y,
-                edge_u: Vec3::X,
-                edge_v: Vec3::Z,
-            })),
-            light("mesh", area(AreaShape::Mesh {
-                triangles: vec![[Vec3::ZERO, Vec3::X, Vec3::Y], [Vec3::X, Vec3::Y, Vec3::Z]],
-            })),
+            light(
+                "point",
+                LightKind::Point {
+                    position: Vec3::Y,
+                    radiant_intensity: Vec3::splat(2.0),
+                },
+            ),
+            light(
+                "spot",
+                LightKind::Spot {
+                    position: Vec3::Y,
+                    direction: Vec3::NEG_Y,
+                    radiant_intensity: Vec3::ONE,
+                    cos_inner: 0.9,
+                    cos_outer: 0.8,
+                },
+            ),
+            light(
+                "sun",
+                LightKind::Directional {
+                    direction: Vec3::NEG_Y,
+                    irradiance: Vec3::ONE,
+                },
+            ),
+            light(
+                "panel",
+                area(AreaShape::Rectangle {
+                    corner: Vec3::Y,
+                    edge_u: Vec3::X,
+                    edge_v: Vec3::Z,
+                }),
+            ),
+            light(
+                "mesh",
+                area(AreaShape::Mesh {
+                    triangles: vec![[Vec3::ZERO, Vec3::X, Vec3::Y], [Vec3::X, Vec3::Y, Vec3::Z]],
+                }),
+            ),
         ],
         cameras: vec![Camera::look_at("eye", Vec3::Z, Vec3::ZERO, Vec3::Y, 1.0)],
         walkthroughs: vec![Walkthrough {

@@ -18,8 +18,14 @@ fn tiles_go_out_by_credits_and_a_faster_shader_gets_more() {
     assert_eq!(scheduler.in_flight(2), 3);
     assert!(scheduler.assign(start).is_empty());
     let (_, tile) = *first.iter().find(|(shader, _)| *shader == 2).unwrap();
-    assert_eq!(scheduler.completed(tile, 2, at(start, 5)), Completion::First);
-    assert_eq!(scheduler.completed(tile, 2, at(start, 5)), Completion::Duplicate);
+    assert_eq!(
+        scheduler.completed(tile, 2, at(start, 5)),
+        Completion::First
+    );
+    assert_eq!(
+        scheduler.completed(tile, 2, at(start, 5)),
+        Completion::Duplicate
+    );
     assert_eq!(scheduler.assign(at(start, 5)), [(2, 5)]);
 }
 
@@ -54,9 +60,15 @@ fn a_late_tile_goes_to_an_idle_shader_once() {
     assert_eq!(scheduler.assign(deadline), [(2, 0)]);
     assert_eq!(scheduler.reissued_tiles(), 1);
     assert!(scheduler.assign(at(start, 9999)).is_empty());
-    assert_eq!(scheduler.completed(0, 2, at(start, 9999)), Completion::First);
+    assert_eq!(
+        scheduler.completed(0, 2, at(start, 9999)),
+        Completion::First
+    );
     assert!(scheduler.is_done());
-    assert_eq!(scheduler.completed(0, 1, at(start, 9999)), Completion::Duplicate);
+    assert_eq!(
+        scheduler.completed(0, 1, at(start, 9999)),
+        Completion::Duplicate
+    );
 }
 
 #[test]
@@ -69,7 +81,10 @@ fn a_late_tile_whose_second_shader_dies_stays_with_the_first() {
     assert_eq!(scheduler.assign(at(start, 5000)), [(2, 0)]);
     scheduler.lost(2);
     assert!(scheduler.assign(start).is_empty());
-    assert_eq!(scheduler.completed(0, 1, at(start, 6000)), Completion::First);
+    assert_eq!(
+        scheduler.completed(0, 1, at(start, 6000)),
+        Completion::First
+    );
 }
 
 #[test]

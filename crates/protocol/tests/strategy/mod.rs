@@ -238,31 +238,30 @@ pub(crate) fn client_to_constructor() -> impl Strategy<Value = ClientToConstruct
 
 pub(crate) fn shader_to_client() -> impl Strategy<Value = ShaderToClient> {
     use ShaderToClient as M;
-    let tile = (
-        any::<[u64; 5]>(),
-        any::<[u64; 5]>(),
-        any::<[u32; 2]>(),
-        vec(any::<u8>(), 0..400),
-    )
-        .prop_map(|(counts, times, [tile, trusted_pixels], pixels)| TileDone {
+    let tile = (any::<[u64; 14]>(), any::<u32>(), vec(any::<u8>(), 0..400)).prop_map(
+        |(numbers, tile, pixels)| TileDone {
             report: TileReport {
-                frame: counts[0],
+                frame: numbers[0],
                 tile,
-                lie_version: counts[1],
-                trusted_pixels,
-                primary_rays: counts[2],
-                shadow_rays: counts[3],
-                occluder_tests: counts[4],
-                timing: TileTiming {
-                    queued_us: times[0],
-                    render_us: times[1],
-                    visibility_us: times[2],
-                    unoccluded_us: times[3],
-                    partial_us: times[4],
+                lie_version: numbers[1],
+                cost: WireCost {
+                    queued_ns: numbers[2],
+                    render_ns: numbers[3],
+                    visibility_ns: numbers[4],
+                    unoccluded_ns: numbers[5],
+                    partial_ns: numbers[6],
+                    full_ns: numbers[7],
+                    primary_rays: numbers[8],
+                    shadow_rays: numbers[9],
+                    list_rays: numbers[10],
+                    occluder_tests: numbers[11],
+                    trusted: numbers[12],
+                    surfaces: numbers[13],
                 },
             },
             pixels,
-        });
+        },
+    );
     prop_oneof![
         refuse().prop_map(M::Refuse),
         ping().prop_map(M::Ping),

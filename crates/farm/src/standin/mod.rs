@@ -1,3 +1,0 @@
-pub mod construct;
-pub mod render;
-pub mod replica;
