@@ -3,6 +3,7 @@
 pub mod cache;
 pub mod connection;
 mod construct;
+pub mod constructor;
 pub mod convert;
 pub mod handshake;
 pub mod network;
@@ -11,6 +12,7 @@ pub mod pixels;
 mod replica;
 pub mod scene_blob;
 pub mod scheduler;
+mod serve;
 
 pub use construct::{BatchReport, Builder, ConstructSettings, View};
 pub use replica::{LieReplica, PublishedLies, ReplicaError};
