@@ -13,6 +13,7 @@ mod replica;
 pub mod scene_blob;
 pub mod scheduler;
 mod serve;
+pub mod shader;
 
 pub use construct::{BatchReport, Builder, ConstructSettings, View};
 pub use replica::{LieReplica, PublishedLies, ReplicaError};
