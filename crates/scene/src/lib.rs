@@ -7,8 +7,10 @@
 //! loaders apply every transform.
 
 mod camera;
+mod draft;
 mod geometry;
 mod light;
+mod load;
 mod material;
 mod model;
 mod surface;
@@ -18,6 +20,7 @@ mod walkthrough;
 pub use camera::Camera;
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
 pub use light::{AreaLight, AreaShape, Light, LightKind, LightSample};
+pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use model::{Background, RenderSettings, Scene, SceneError};
 pub use surface::Surface;

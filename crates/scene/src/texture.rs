@@ -118,6 +118,19 @@ impl Texture {
         }
     }
 
+    /// The mean over all texels, decoded to linear.
+    #[must_use]
+    pub fn mean(&self) -> Vec4 {
+        let mut sums = [0.0f64; 4];
+        for [r, g, b, a] in &self.texels {
+            for (sum, byte) in sums.iter_mut().zip([r, g, b]) {
+                *sum += f64::from(self.linear_of[usize::from(*byte)]);
+            }
+            sums[3] += f64::from(*a) / 255.0;
+        }
+        Vec4::from_array(sums.map(|sum| (sum / self.texels.len() as f64) as f32))
+    }
+
     fn texel(&self, x: i64, y: i64) -> Vec4 {
         let x = x.rem_euclid(i64::from(self.width)) as usize;
         let y = y.rem_euclid(i64::from(self.height)) as usize;
@@ -161,6 +174,7 @@ mod tests {
         let texture = Texture::new(1, 1, true, vec![[188, 0, 255, 128]]).unwrap();
         assert!((texture.sample(Vec2::ZERO).x - 0.503).abs() < 1.0e-3);
         assert!((texture.sample(Vec2::ZERO).w - 0.502).abs() < 1.0e-3);
+        assert!((texture.mean() - texture.sample(Vec2::ZERO)).length() < 1.0e-6);
         assert!(Texture::new(0, 1, true, vec![]).is_err());
         assert!(Texture::new(2, 1, true, vec![[0; 4]]).is_err());
     }
