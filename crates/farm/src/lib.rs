@@ -1,6 +1,7 @@
 //! The processes of the renderer and what they share.
 
 pub mod cache;
+pub mod client;
 pub mod connection;
 mod construct;
 pub mod constructor;
@@ -14,6 +15,7 @@ pub mod scene_blob;
 pub mod scheduler;
 mod serve;
 pub mod shader;
+pub mod walk;
 
 pub use construct::{BatchReport, Builder, ConstructSettings, View};
 pub use replica::{LieReplica, PublishedLies, ReplicaError};
