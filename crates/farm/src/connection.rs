@@ -144,6 +144,11 @@ impl<W: AsyncWrite + Unpin> Sender<W> {
         self.count.clone()
     }
 
+    /// Counts into `total` from now on, which others may count into as well.
+    pub fn count_into(&mut self, total: &ByteCount) {
+        self.count = total.clone();
+    }
+
     /// Sends a message and waits until the stream has taken it. If this is dropped while it
     /// waits, the connection is of no more use.
     ///

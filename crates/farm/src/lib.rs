@@ -7,6 +7,7 @@ mod construct;
 pub mod constructor;
 pub mod convert;
 pub mod handshake;
+pub mod launch;
 pub mod network;
 pub mod outbox;
 pub mod pixels;

@@ -62,6 +62,8 @@ pub struct LieStatus {
     pub bytes: u64,
     /// Construction samples so far.
     pub samples: u64,
+    /// Bytes sent to all shaders so far, scene included.
+    pub sent_bytes: u64,
     /// Relative RMSE of the picture that is expected if the LIEs were used without trust.
     pub estimated_error: f32,
     /// Whether more samples would not help what the clients see now.

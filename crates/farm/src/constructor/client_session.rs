@@ -2,8 +2,8 @@ use std::time::Duration;
 
 use glam::UVec2;
 use lie_protocol::{
-    CameraUpdate, ClientToConstructor as In, ClientWelcome, ConstructorToClient as Out, Ping, Pong,
-    limit,
+    CameraUpdate, ClientToConstructor as In, ClientWelcome, ConstructorToClient as Out, LieStatus,
+    Ping, Pong, limit,
 };
 use tokio::{
     io::{AsyncRead, AsyncWrite},
@@ -105,7 +105,11 @@ async fn talk<W: AsyncWrite + Unpin>(
             _ = status_ticks.tick(), if progress.has_changed().unwrap_or(false) => {
                 let progress = progress.borrow_and_update();
                 let serial = progress.serials.get(&member.id());
-                Out::LieStatus(progress.status(serial.copied().unwrap_or(0)))
+                Out::LieStatus(LieStatus {
+                    camera_serial: serial.copied().unwrap_or(0),
+                    sent_bytes: shared.sent.get(),
+                    ..progress.status
+                })
             }
             Some(pong) = pongs.recv() => Out::Pong(pong),
             _ = heartbeat.tick() => {

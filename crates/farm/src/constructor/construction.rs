@@ -15,6 +15,9 @@ use crate::{BatchReport, Builder};
 /// How often the tree is measured; that takes time in proportion to its cells.
 const MEASURE_EVERY: Duration = Duration::from_millis(250);
 
+/// Passes over the frozen view after which it counts as converged, whatever the error.
+const MAX_PASSES: u64 = 256;
+
 /// What construction has come to.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Progress {
@@ -73,10 +76,19 @@ pub(super) fn freeze(builder: &mut Builder, freeze: &Freeze) -> Progress {
         frozen: true,
         ..LieStatus::default()
     };
-    for _ in 0..freeze.samples.div_ceil(Builder::BATCH as u64) {
-        let report = builder.batch(std::slice::from_ref(&freeze.view));
-        report_into(&mut status, &report);
-    }
+    let views = std::slice::from_ref(&freeze.view);
+    let report = match freeze.samples {
+        Some(samples) => {
+            let batches = samples.div_ceil(Builder::BATCH as u64);
+            let further = (1..batches).map(|_| ());
+            further.fold(builder.batch(views), |_, ()| builder.batch(views))
+        }
+        None => {
+            let pixels = u64::from(freeze.view.size.x) * u64::from(freeze.view.size.y);
+            builder.converge(views, MAX_PASSES * pixels, |_| {})
+        }
+    };
+    report_into(&mut status, &report);
     measure_into(&mut status, builder.tree());
     Progress {
         status,

@@ -25,7 +25,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     Builder, ConstructSettings, View,
-    connection::{self, LinkError},
+    connection::{self, ByteCount, LinkError},
     convert, handshake,
     network::Exposure,
     scene_blob::{self, BlobError, SceneBlob},
@@ -57,8 +57,9 @@ pub struct ConstructorConfig {
 /// Learning that ends before the first connection: the same LIEs at every start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freeze {
-    /// At least this many construction samples, in whole batches.
-    pub samples: u64,
+    /// This many construction samples, in whole batches; without, until the view has
+    /// converged.
+    pub samples: Option<u64>,
     /// What they are spent on.
     pub view: View,
 }
@@ -119,6 +120,8 @@ struct Shared {
     views: Views,
     registry: Registry,
     progress: watch::Sender<Progress>,
+    /// To shaders.
+    sent: ByteCount,
     shutdown: CancellationToken,
 }
 
@@ -145,6 +148,7 @@ pub async fn run(
         views: Views::default(),
         registry: Registry::default(),
         progress: watch::Sender::new(prepared.frozen.clone().unwrap_or_default()),
+        sent: ByteCount::default(),
         shutdown: shutdown.clone(),
     });
     let construction = match prepared.frozen {
@@ -213,14 +217,4 @@ async fn full<W: tokio::io::AsyncWrite + Unpin>(
         "there are as many {what} as this constructor takes"
     ));
     handshake::refuse(sender, refusal).await
-}
-
-impl Progress {
-    /// For a client whose newest camera that counts has this serial number.
-    fn status(&self, camera_serial: u64) -> LieStatus {
-        LieStatus {
-            camera_serial,
-            ..self.status
-        }
-    }
 }

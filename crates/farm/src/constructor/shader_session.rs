@@ -41,6 +41,7 @@ where
         scene_length: shared.blob.bytes().len() as u64,
         settings: shared.settings,
     };
+    sender.count_into(&shared.sent);
     sender.send(&Out::Welcome(welcome)).await?;
     tracing::info!("shader {} has joined", member.id());
     let (commands, orders) = mpsc::channel(COMMANDS);

@@ -195,8 +195,21 @@ pub(crate) fn constructor_to_client() -> impl Strategy<Value = ConstructorToClie
                 ready,
             }
         });
-    let status = (any::<[u64; 7]>(), number(), any::<[bool; 2]>()).prop_map(
-        |([version, serial, cells, entries, occluders, bytes, samples], error, flags)| LieStatus {
+    let status = (any::<[u64; 8]>(), number(), any::<[bool; 2]>()).prop_map(
+        |(
+            [
+                version,
+                serial,
+                cells,
+                entries,
+                occluders,
+                bytes,
+                samples,
+                sent_bytes,
+            ],
+            error,
+            flags,
+        )| LieStatus {
             version,
             camera_serial: serial,
             cells,
@@ -204,6 +217,7 @@ pub(crate) fn constructor_to_client() -> impl Strategy<Value = ConstructorToClie
             occluders,
             bytes,
             samples,
+            sent_bytes,
             estimated_error: error,
             converged: flags[0],
             frozen: flags[1],
