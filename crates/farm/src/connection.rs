@@ -30,7 +30,7 @@ const PIECE: usize = 64 * 1024;
 pub enum LinkError {
     /// The network failed.
     #[error("the connection failed: {0}")]
-    Io(#[from] std::io::Error),
+    Io(std::io::Error),
     /// What came is no message, or what was to go is none.
     #[error(transparent)]
     Protocol(#[from] ProtocolError),
@@ -49,6 +49,12 @@ pub enum LinkError {
     /// A well-formed message that breaks the rules.
     #[error("the peer broke the protocol: {0}")]
     Rules(String),
+}
+
+impl From<std::io::Error> for LinkError {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(error)
+    }
 }
 
 /// Bytes that went through, for statistics.

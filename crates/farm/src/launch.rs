@@ -50,14 +50,14 @@ pub struct LaunchConfig {
 #[non_exhaustive]
 pub enum LaunchError {
     /// A child cannot be started.
-    #[error("cannot start the {who} ({}): {source}", program.display())]
+    #[error("cannot start the {who} ({}): {cause}", program.display())]
     Start {
         /// Which child.
         who: String,
         /// What was to be run.
         program: PathBuf,
         /// What the system says.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// A child ended before it was ready; its log says why.
     #[error("the {who} ended before it was ready ({status})")]
@@ -135,10 +135,10 @@ impl Farm {
         config: &LaunchConfig,
         arguments: &[OsString],
     ) -> Result<String, LaunchError> {
-        let mut child = spawn(config, arguments).map_err(|source| LaunchError::Start {
+        let mut child = spawn(config, arguments).map_err(|cause| LaunchError::Start {
             who: who.to_owned(),
             program: config.program.clone(),
-            source,
+            cause,
         })?;
         if let Some(stderr) = child.stderr.take() {
             let (who, log) = (who.to_owned(), config.log.clone());
@@ -194,11 +194,13 @@ async fn pass_on<R: AsyncRead + Unpin>(who: String, mut lines: Lines<BufReader<R
 
 /// Waits for a child's end: its own, which is worth a word, or the one that we ask for.
 async fn watch(who: String, mut child: Child, stop: CancellationToken) {
+    // Waiting for a child would close the input that it still has.
+    let input = child.stdin.take();
     let status = tokio::select! {
         status = child.wait() => status,
         () = stop.cancelled() => {
             // The closed input is the request.
-            drop(child.stdin.take());
+            drop(input);
             if timeout(GRACE, child.wait()).await.is_err()
                 && let Err(error) = child.kill().await
             {

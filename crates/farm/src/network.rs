@@ -22,28 +22,28 @@ pub enum Exposure {
 #[non_exhaustive]
 pub enum NetworkError {
     /// The address cannot be understood, or its name is unknown.
-    #[error("'{address}' is not an address that can be used (host:port is expected): {source}")]
+    #[error("'{address}' is not an address that can be used (host:port is expected): {cause}")]
     Address {
         /// As given.
         address: String,
         /// What the resolver says.
-        source: io::Error,
+        cause: io::Error,
     },
     /// Listening failed.
-    #[error("cannot listen on {address}: {source}")]
+    #[error("cannot listen on {address}: {cause}")]
     Bind {
         /// As given.
         address: String,
         /// What the system says.
-        source: io::Error,
+        cause: io::Error,
     },
     /// Dialling failed.
-    #[error("cannot reach {address}: {source}")]
+    #[error("cannot reach {address}: {cause}")]
     Dial {
         /// As given.
         address: String,
         /// What the system says.
-        source: io::Error,
+        cause: io::Error,
     },
     /// The address is not on this machine, and nothing allows that.
     #[error(
@@ -62,12 +62,12 @@ pub async fn bind(address: &str, exposure: Exposure) -> Result<TcpListener, Netw
     for resolved in resolve(address, exposure).await? {
         match TcpListener::bind(resolved).await {
             Ok(listener) => return Ok(listener),
-            Err(source) => last = Some(source),
+            Err(cause) => last = Some(cause),
         }
     }
     Err(NetworkError::Bind {
         address: address.to_owned(),
-        source: last.unwrap_or_else(|| io::ErrorKind::AddrNotAvailable.into()),
+        cause: last.unwrap_or_else(|| io::ErrorKind::AddrNotAvailable.into()),
     })
 }
 
@@ -83,12 +83,12 @@ pub async fn dial(address: &str, exposure: Exposure) -> Result<TcpStream, Networ
                 prepare(&stream);
                 return Ok(stream);
             }
-            Err(source) => last = Some(source),
+            Err(cause) => last = Some(cause),
         }
     }
     Err(NetworkError::Dial {
         address: address.to_owned(),
-        source: last.unwrap_or_else(|| io::ErrorKind::AddrNotAvailable.into()),
+        cause: last.unwrap_or_else(|| io::ErrorKind::AddrNotAvailable.into()),
     })
 }
 
@@ -106,9 +106,9 @@ pub fn allows(exposure: Exposure, peer: IpAddr) -> bool {
 }
 
 async fn resolve(address: &str, exposure: Exposure) -> Result<Vec<SocketAddr>, NetworkError> {
-    let wrong = |source| NetworkError::Address {
+    let wrong = |cause| NetworkError::Address {
         address: address.to_owned(),
-        source,
+        cause,
     };
     let resolved: Vec<_> = lookup_host(address).await.map_err(wrong)?.collect();
     if let Some(&outside) = resolved.iter().find(|at| !allows(exposure, at.ip())) {

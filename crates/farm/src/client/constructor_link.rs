@@ -42,9 +42,9 @@ pub(super) async fn open(config: &ClientConfig) -> Result<(SceneSummary, Link), 
     let stream = network::dial(&config.constructor, config.exposure).await?;
     let (mut receiver, mut sender) = connection::split(stream);
     let hello = handshake::hello(Role::Client, 0, 0);
-    let refused = |source| ClientError::Constructor {
+    let refused = |cause| ClientError::Constructor {
         address: config.constructor.clone(),
-        source,
+        cause,
     };
     match handshake::greet(&mut receiver, &mut sender, hello).await {
         Ok(In::Welcome(welcome)) => Ok((welcome.scene, Link { receiver, sender })),

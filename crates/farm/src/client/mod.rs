@@ -60,12 +60,12 @@ pub enum ClientError {
     #[error(transparent)]
     Network(#[from] NetworkError),
     /// The constructor does not let us in.
-    #[error("the constructor at {address}: {source}")]
+    #[error("the constructor at {address}: {cause}")]
     Constructor {
         /// Its address.
         address: String,
         /// What happened.
-        source: LinkError,
+        cause: LinkError,
     },
     /// Nobody renders.
     #[error("no shader was there for {} s", .0.as_secs_f32())]

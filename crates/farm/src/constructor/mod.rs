@@ -14,7 +14,7 @@ mod views;
 
 use std::sync::Arc;
 
-use lie_protocol::{LieStatus, Refuse, Role, SceneSummary, WireLieSettings};
+use lie_protocol::{Refuse, Role, SceneSummary, WireLieSettings};
 use lie_render::World;
 use lie_scene::Scene;
 use tokio::{
