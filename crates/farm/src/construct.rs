@@ -180,6 +180,15 @@ impl Builder {
         }
     }
 
+    /// Records `samples` samples of the views, rounded up to whole batches.
+    pub fn sample(&mut self, views: &[View], samples: u64) -> BatchReport {
+        let mut report = self.batch(views);
+        for _ in 1..samples.div_ceil(Self::BATCH as u64) {
+            report = self.batch(views);
+        }
+        report
+    }
+
     /// Keeps the progress of views that stay, drops the others.
     fn look_at(&mut self, views: &[View]) {
         let mut before = std::mem::take(&mut self.views);

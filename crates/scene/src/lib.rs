@@ -19,7 +19,7 @@ mod walkthrough;
 
 pub use camera::Camera;
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
-pub use light::{AreaLight, AreaShape, Light, LightKind, LightSample};
+pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use model::{Background, RenderSettings, Scene, SceneError};
