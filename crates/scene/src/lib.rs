@@ -8,6 +8,7 @@
 
 mod camera;
 mod draft;
+mod generate;
 mod geometry;
 mod light;
 mod load;
@@ -18,6 +19,7 @@ mod texture;
 mod walkthrough;
 
 pub use camera::Camera;
+pub use generate::{Gallery, cornell_box, gallery};
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
 pub use light::{AreaLight, AreaShape, Light, LightKind, LightSample};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};
