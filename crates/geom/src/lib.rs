@@ -25,4 +25,4 @@ mod triangle;
 pub use aabb::Aabb;
 pub use random::RandomKey;
 pub use ray::{Hit, Ray, SHADOW_T_MAX, offset_origin};
-pub use triangle::{Triangle, TriangleHit};
+pub use triangle::{LaneHit, Triangle, TriangleHit, intersect_lane};

@@ -40,6 +40,14 @@ impl Ray {
         }
     }
 
+    /// Whether origin and direction are finite and the direction is not zero. A ray that is
+    /// not defined hits nothing.
+    #[must_use]
+    #[inline]
+    pub fn is_defined(&self) -> bool {
+        self.origin.is_finite() && self.direction.is_finite() && self.direction != Vec3::ZERO
+    }
+
     /// The point at `t`.
     #[must_use]
     pub fn at(&self, t: f32) -> Vec3 {

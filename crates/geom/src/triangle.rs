@@ -45,39 +45,19 @@ impl Triangle {
         Self { a, b, c, normal }
     }
 
-    /// Intersects a ray, both sides. Watertight: of two triangles that share an edge's
-    /// vertices, a ray through the edge hits at least one, because the three edge
-    /// functions of a shared edge differ exactly in sign (Plücker coordinates relative to
-    /// the ray's origin; the form is that of Embree's robust mode).
-    ///
-    /// The vectorised kernels in `lie-accel` compute the same operations in the same
-    /// order and are tested to give the same bits.
+    /// Intersects a ray, both sides; see [`intersect_lane`] for what holds.
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<TriangleHit> {
-        let v0 = self.a - ray.origin;
-        let v1 = self.b - ray.origin;
-        let v2 = self.c - ray.origin;
-        // Edge functions, each the weight of the vertex opposite its edge.
-        let weight_b = cross(v2 - v0, v2 + v0).dot(ray.direction);
-        let weight_c = cross(v0 - v1, v0 + v1).dot(ray.direction);
-        let weight_a = cross(v1 - v2, v1 + v2).dot(ray.direction);
-        let smallest = weight_a.min(weight_b).min(weight_c);
-        let largest = weight_a.max(weight_b).max(weight_c);
-        let inside = smallest >= 0.0 || largest <= 0.0;
-        let facing = self.normal.dot(ray.direction);
-        let t = v0.dot(self.normal) / facing;
-        // A ray in the triangle's plane has facing 0 and so an infinite or undefined t:
-        // both comparisons reject it.
-        if !(inside && facing != 0.0 && t > ray.t_min && t < ray.t_max) {
-            return None;
-        }
-        let scale = 1.0 / (weight_a + weight_b + weight_c);
-        Some(TriangleHit {
-            t,
-            u: weight_b * scale,
-            v: weight_c * scale,
-        })
+        let lane = intersect_lane(
+            [self.a.to_array(), self.b.to_array(), self.c.to_array()],
+            self.normal.to_array(),
+            ray.origin.to_array(),
+            ray.direction.to_array(),
+            ray.t_min,
+            ray.t_max,
+        );
+        (lane.t < f32::INFINITY).then(|| lane.hit())
     }
 
     /// Bounds of the three vertices.
@@ -104,14 +84,95 @@ impl Triangle {
     }
 }
 
-/// The cross product spelt out, so that the order of operations is ours and not glam's.
-#[inline]
-fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    Vec3::new(
-        a.y * b.z - a.z * b.y,
-        a.z * b.x - a.x * b.z,
-        a.x * b.y - a.y * b.x,
-    )
+/// The result of [`intersect_lane`]: unscaled, and with a miss as an infinite `t`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LaneHit {
+    /// Ray parameter; infinity for a miss.
+    pub t: f32,
+    /// Weight of vertex `b`, times `sum`.
+    pub weight_b: f32,
+    /// Weight of vertex `c`, times `sum`.
+    pub weight_c: f32,
+    /// Sum of the three weights.
+    pub sum: f32,
+}
+
+impl LaneHit {
+    /// The hit, scaled; call it only where `t` is finite.
+    #[must_use]
+    #[inline]
+    pub fn hit(self) -> TriangleHit {
+        let scale = 1.0 / self.sum;
+        TriangleHit {
+            t: self.t,
+            u: self.weight_b * scale,
+            v: self.weight_c * scale,
+        }
+    }
+}
+
+/// One ray against one triangle without a branch, so that a loop over lanes (triangles or
+/// rays) becomes vector code. The scalar test is this same function: whatever path a ray
+/// takes, it gets the same bits.
+///
+/// Watertight: of two triangles that share an edge's vertices, a ray through the edge hits
+/// at least one, because the edge functions of a shared edge differ exactly in sign
+/// (Plücker coordinates relative to the ray's origin, as in Embree's robust mode).
+/// `normal` is that of [`Triangle`]; zero means degenerate and is never hit. Numbers that
+/// are not finite never hit.
+#[must_use]
+#[inline(always)]
+pub fn intersect_lane(
+    [a, b, c]: [[f32; 3]; 3],
+    normal: [f32; 3],
+    origin: [f32; 3],
+    direction: [f32; 3],
+    t_min: f32,
+    t_max: f32,
+) -> LaneHit {
+    let v0 = subtract(a, origin);
+    let v1 = subtract(b, origin);
+    let v2 = subtract(c, origin);
+    // Edge functions, each the weight of the vertex opposite its edge.
+    let weight_b = dot(cross(subtract(v2, v0), add(v2, v0)), direction);
+    let weight_c = dot(cross(subtract(v0, v1), add(v0, v1)), direction);
+    let weight_a = dot(cross(subtract(v1, v2), add(v1, v2)), direction);
+    let front = (weight_a >= 0.0) & (weight_b >= 0.0) & (weight_c >= 0.0);
+    let back = (weight_a <= 0.0) & (weight_b <= 0.0) & (weight_c <= 0.0);
+    // A ray in the triangle's plane divides by zero: t is infinite or undefined, and the
+    // comparisons reject both.
+    let t = dot(v0, normal) / dot(normal, direction);
+    let hit = (front | back) & (t > t_min) & (t < t_max);
+    LaneHit {
+        t: if hit { t } else { f32::INFINITY },
+        weight_b,
+        weight_c,
+        sum: weight_a + weight_b + weight_c,
+    }
+}
+
+#[inline(always)]
+fn subtract(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

@@ -1,0 +1,143 @@
+//! From triangles to a wide tree: obvhs builds a binary one, and this collapses it.
+
+use glam::Vec3A;
+use lie_geom::{Aabb, Triangle};
+use obvhs::{
+    BvhBuildParams,
+    bvh2::{Bvh2, builder::build_bvh2_from_tris},
+};
+
+use crate::{
+    block::{BLOCK, TriangleBlock},
+    node::{Child, Node, WIDTH},
+};
+
+/// The parts of a tree.
+pub(crate) struct Tree {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) blocks: Vec<TriangleBlock>,
+    pub(crate) bounds: Aabb,
+}
+
+/// Builds a tree over the triangles that have an area. `has_holes` marks cut-outs.
+pub(crate) fn build(
+    triangles: impl Iterator<Item = Triangle>,
+    has_holes: &dyn Fn(u32) -> bool,
+) -> Tree {
+    // Degenerate triangles are never hit; leaving them out keeps obvhs from odd boxes.
+    let solid: Vec<(u32, Triangle)> = (0u32..)
+        .zip(triangles)
+        .filter(|(_, triangle)| triangle.normal.is_normalized())
+        .collect();
+    if solid.is_empty() {
+        return Tree {
+            nodes: vec![Node::new(&[])],
+            blocks: vec![],
+            bounds: Aabb::EMPTY,
+        };
+    }
+    let shapes: Vec<obvhs::triangle::Triangle> = solid
+        .iter()
+        .map(|(_, triangle)| obvhs::triangle::Triangle {
+            v0: Vec3A::from(triangle.a),
+            v1: Vec3A::from(triangle.b),
+            v2: Vec3A::from(triangle.c),
+        })
+        .collect();
+    let params = BvhBuildParams {
+        max_prims_per_leaf: BLOCK as u32,
+        ..BvhBuildParams::medium_build()
+    };
+    let binary = build_bvh2_from_tris(&shapes, params, &mut std::time::Duration::default());
+    let mut collapse = Collapse {
+        binary: &binary,
+        solid: &solid,
+        has_holes,
+        nodes: vec![],
+        blocks: vec![],
+    };
+    let bounds = bounds_of(&binary, 0);
+    if binary.nodes[0].is_leaf() {
+        let leaf = collapse.leaf(0);
+        collapse.nodes.push(Node::new(&[(bounds, leaf)]));
+    } else {
+        collapse.inner(0);
+    }
+    Tree {
+        nodes: collapse.nodes,
+        blocks: collapse.blocks,
+        bounds,
+    }
+}
+
+/// Turns binary nodes into wide ones, depth first, so that a subtree lies together.
+struct Collapse<'a> {
+    binary: &'a Bvh2,
+    solid: &'a [(u32, Triangle)],
+    has_holes: &'a dyn Fn(u32) -> bool,
+    nodes: Vec<Node>,
+    blocks: Vec<TriangleBlock>,
+}
+
+impl Collapse<'_> {
+    /// Emits the wide node that stands for an inner binary node and everything below.
+    fn inner(&mut self, root: usize) -> Child {
+        let index = self.nodes.len();
+        self.nodes.push(Node::new(&[]));
+        let mut children = vec![];
+        for child in self.open(root) {
+            let leads_to = if self.binary.nodes[child].is_leaf() {
+                self.leaf(child)
+            } else {
+                self.inner(child)
+            };
+            children.push((bounds_of(self.binary, child), leads_to));
+        }
+        self.nodes[index] = Node::new(&children);
+        Child::node(index)
+    }
+
+    /// Up to eight binary descendants: the inner one of largest area is opened until there
+    /// is no more room (Wald et al. 2008, *Getting Rid of Packets*).
+    fn open(&self, root: usize) -> Vec<usize> {
+        let first = self.binary.nodes[root].first_index as usize;
+        let mut open = vec![first, first + 1];
+        while open.len() < WIDTH {
+            let largest = (0..open.len())
+                .filter(|&i| !self.binary.nodes[open[i]].is_leaf())
+                .max_by(|&i, &k| area(self.binary, open[i]).total_cmp(&area(self.binary, open[k])));
+            let Some(largest) = largest else { break };
+            let first = self.binary.nodes[open[largest]].first_index as usize;
+            open[largest] = first;
+            open.insert(largest + 1, first + 1);
+        }
+        open
+    }
+
+    fn leaf(&mut self, leaf: usize) -> Child {
+        let node = &self.binary.nodes[leaf];
+        let first = node.first_index as usize;
+        let triangles: Vec<(u32, Triangle, bool)> = self.binary.primitive_indices
+            [first..first + node.prim_count as usize]
+            .iter()
+            .map(|&index| {
+                let (id, triangle) = self.solid[index as usize];
+                (id, triangle, (self.has_holes)(id))
+            })
+            .collect();
+        self.blocks.push(TriangleBlock::new(&triangles));
+        Child::leaf(self.blocks.len() - 1)
+    }
+}
+
+fn bounds_of(binary: &Bvh2, node: usize) -> Aabb {
+    let bounds = binary.nodes[node].aabb();
+    Aabb {
+        min: bounds.min.into(),
+        max: bounds.max.into(),
+    }
+}
+
+fn area(binary: &Bvh2, node: usize) -> f32 {
+    binary.nodes[node].aabb().half_area()
+}

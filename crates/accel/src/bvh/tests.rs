@@ -1,0 +1,208 @@
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+use lie_geom::{Hit, RandomKey, Ray};
+use lie_scene::{Geometry, MeshPart, Vertex};
+
+use crate::{Accel, Bvh, Cutout, Occluders, PACKET, RayPacket};
+
+/// A soup of small random triangles, with some degenerate, some large and some twice.
+fn soup(count: u32, seed: u64) -> Geometry {
+    let key = RandomKey::new(seed);
+    let vector = |n: u32| {
+        let xy = key.uniform2(2 * n);
+        Vec3::new(xy.x, xy.y, key.uniform(2 * n + 1)) * 2.0 - Vec3::ONE
+    };
+    let mut corners = vec![];
+    for i in 0..count {
+        let at = 5.0 * vector(4 * i);
+        let size = if i % 50 == 7 { 6.0 } else { 0.4 };
+        let triangle = match i % 97 {
+            3 => [at, at, at + Vec3::X],
+            5 if i > 5 => [corners[3 * 4], corners[3 * 4 + 1], corners[3 * 4 + 2]],
+            _ => [1, 2, 3].map(|k| at + size * vector(4 * i + k)),
+        };
+        corners.extend(triangle);
+    }
+    geometry(&corners)
+}
+
+fn geometry(corners: &[Vec3]) -> Geometry {
+    let vertices = corners
+        .iter()
+        .map(|&position| Vertex {
+            position,
+            normal: Vec3::ZERO,
+            uv: Vec2::ZERO,
+        })
+        .collect();
+    let count = corners.len() as u32 / 3;
+    let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let part = MeshPart {
+        name: "soup".into(),
+        triangles: 0..count,
+        material: 0,
+    };
+    Geometry::new(vertices, triangles, vec![part]).unwrap()
+}
+
+fn rays(count: u32, seed: u64) -> Vec<Ray> {
+    let key = RandomKey::new(seed);
+    let vector = |n: u32| {
+        let xy = key.uniform2(2 * n);
+        Vec3::new(xy.x, xy.y, key.uniform(2 * n + 1)) * 2.0 - Vec3::ONE
+    };
+    (0..count)
+        .map(|i| {
+            let mut direction = vector(2 * i + 1);
+            // Some along an axis, where a slab's inverse is infinite.
+            if i % 7 == 0 {
+                direction.x = 0.0;
+            }
+            if i % 14 == 0 {
+                direction.y = -0.0;
+            }
+            let t_max = if i % 3 == 0 { 4.0 } else { f32::INFINITY };
+            Ray {
+                t_max,
+                ..Ray::new(7.0 * vector(2 * i), direction)
+            }
+        })
+        .collect()
+}
+
+/// The oracle: every triangle, one after the other.
+fn brute_force(geometry: &Geometry, ray: &Ray, cutout: Option<&dyn Cutout>) -> Option<Hit> {
+    let mut best: Option<Hit> = None;
+    for triangle in 0..geometry.len() as u32 {
+        let Some(hit) = geometry.triangle(triangle).intersect(ray) else {
+            continue;
+        };
+        let solid = cutout.is_none_or(|cutout| {
+            !cutout.has_holes(triangle) || cutout.is_solid(triangle, hit.u, hit.v)
+        });
+        if solid && best.is_none_or(|best| hit.t < best.t) {
+            best = Some(Hit {
+                t: hit.t,
+                u: hit.u,
+                v: hit.v,
+                triangle,
+            });
+        }
+    }
+    best
+}
+
+fn check(geometry: &Geometry, cutout: Option<Arc<dyn Cutout>>, rays: &[Ray]) {
+    let bvh = Bvh::build(geometry, cutout.clone());
+    let mut hits = 0;
+    for packet in rays.chunks(PACKET) {
+        let together = RayPacket::new(packet);
+        let closest = bvh.closest_packet(&together);
+        let blocked = bvh.blocked_packet(&together);
+        for (lane, ray) in packet.iter().enumerate() {
+            let expected = brute_force(geometry, ray, cutout.as_deref());
+            assert_eq!(bvh.closest(ray), expected, "{ray:?}");
+            assert_eq!(closest[lane], expected, "packet lane {lane}: {ray:?}");
+            assert_eq!(blocked >> lane & 1 == 1, expected.is_some());
+            let blocker = bvh.blocker(ray);
+            assert_eq!(blocker.is_some(), expected.is_some());
+            if let Some(blocker) = blocker {
+                assert!(geometry.triangle(blocker).intersect(ray).is_some());
+            }
+            hits += usize::from(expected.is_some());
+        }
+    }
+    assert!(
+        geometry.is_empty() || hits > rays.len() / 10,
+        "the test must hit something: {hits}"
+    );
+}
+
+#[test]
+fn every_kernel_agrees_with_brute_force() {
+    for (count, seed) in [(0, 1), (1, 2), (2, 3), (9, 4), (300, 5), (3000, 6)] {
+        let geometry = soup(count, seed);
+        let rays = rays(if count < 100 { 4 } else { 500 }, seed + 100);
+        if count < 100 {
+            // Aimed, since random rays would miss.
+            let aimed: Vec<Ray> = (0..count)
+                .map(|i| geometry.triangle(i))
+                .map(|triangle| (triangle.a + triangle.b + triangle.c) / 3.0)
+                .zip(rays.iter().cycle())
+                .map(|(target, ray)| Ray::new(ray.origin, target - ray.origin))
+                .collect();
+            check(&geometry, None, &aimed);
+        } else {
+            check(&geometry, None, &rays);
+        }
+    }
+}
+
+struct Half;
+
+impl Cutout for Half {
+    fn has_holes(&self, triangle: u32) -> bool {
+        triangle.is_multiple_of(2)
+    }
+    fn is_solid(&self, _: u32, u: f32, _: f32) -> bool {
+        u > 0.4
+    }
+}
+
+#[test]
+fn holes_let_rays_through_in_every_kernel() {
+    check(&soup(2000, 8), Some(Arc::new(Half)), &rays(400, 9));
+}
+
+#[test]
+fn of_coincident_triangles_the_first_is_hit() {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let many: Vec<Vec3> = (0..40).flat_map(|_| corners).collect();
+    let bvh = Bvh::build(&geometry(&many), None);
+    let ray = Ray::new(Vec3::new(0.3, 0.3, 1.0), Vec3::NEG_Z);
+    assert_eq!(bvh.closest(&ray).unwrap().triangle, 0);
+    assert_eq!(
+        bvh.closest_packet(&RayPacket::new(&[ray; 3]))[2]
+            .unwrap()
+            .triangle,
+        0
+    );
+}
+
+#[test]
+fn rays_that_are_not_rays_hit_nothing() {
+    let bvh = Bvh::build(&soup(500, 11), None);
+    let nan = Vec3::splat(f32::NAN);
+    for (origin, direction) in [(nan, Vec3::X), (Vec3::ZERO, nan), (Vec3::ZERO, Vec3::ZERO)] {
+        let ray = Ray::new(origin, direction);
+        assert_eq!(bvh.closest(&ray), None);
+        assert_eq!(bvh.blocker(&ray), None);
+        assert_eq!(bvh.closest_packet(&RayPacket::new(&[ray])), [None; PACKET]);
+        assert_eq!(bvh.blocked_packet(&RayPacket::new(&[ray])), 0);
+    }
+}
+
+#[test]
+fn two_builds_give_the_same_blockers() {
+    let geometry = soup(20_000, 12);
+    let (one, two) = (Bvh::build(&geometry, None), Bvh::build(&geometry, None));
+    for ray in rays(2000, 13) {
+        assert_eq!(one.blocker(&ray), two.blocker(&ray));
+    }
+}
+
+#[test]
+fn an_occluder_list_answers_like_its_triangles() {
+    let geometry = soup(200, 14);
+    let ids: Vec<u32> = (0..200).filter(|id| id % 3 == 0).collect();
+    let list = Occluders::gather(&geometry, None, &ids);
+    assert_eq!(list.len(), ids.len());
+    for ray in rays(500, 15) {
+        let expected = ids
+            .iter()
+            .any(|&id| geometry.triangle(id).intersect(&ray).is_some());
+        assert_eq!(list.is_blocked(&ray, None), expected);
+    }
+    assert!(Occluders::gather(&geometry, None, &[999]).is_empty());
+}

@@ -1,0 +1,63 @@
+//! What rays hit: a bounding volume hierarchy with eight children to a node, and blocks of
+//! eight triangles, traversed by single rays or by packets of sixteen.
+//!
+//! [`Accel`] is all that the rest of the house sees. Every kernel computes the same
+//! operations in the same order as the scalar [`lie_geom::Triangle::intersect`], whatever
+//! vector unit the machine has, so results are the same bits everywhere: no fused
+//! multiply-adds, and of two hits at the same distance the smaller triangle index wins.
+//! Vector code is chosen at run time (`multiversion`); no compiler flags are needed.
+//!
+//! This crate is the only one that knows obvhs.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use glam::{Vec2, Vec3};
+//! use lie_accel::{Accel, Bvh};
+//! use lie_geom::Ray;
+//! use lie_scene::{Geometry, MeshPart, Vertex};
+//!
+//! let vertex = |position| Vertex { position, normal: Vec3::ZERO, uv: Vec2::ZERO };
+//! let part = MeshPart { name: "sail".into(), triangles: 0..1, material: 0 };
+//! let vertices = vec![vertex(Vec3::ZERO), vertex(Vec3::X), vertex(Vec3::Y)];
+//! let geometry = Geometry::new(vertices, vec![[0, 1, 2]], vec![part])?;
+//! let bvh = Bvh::build(&geometry, None);
+//! let hit = bvh.closest(&Ray::new(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z)).unwrap();
+//! assert_eq!((hit.t, hit.triangle), (1.0, 0));
+//! # Ok::<(), lie_scene::GeometryError>(())
+//! ```
+
+mod block;
+mod build;
+mod bvh;
+mod cutout;
+mod node;
+mod occluders;
+mod packet;
+mod single;
+
+pub use bvh::{Bvh, BvhStats};
+pub use cutout::Cutout;
+pub use occluders::Occluders;
+pub use packet::{PACKET, RayPacket};
+
+use lie_geom::{Hit, Ray};
+
+/// A structure that finds which triangles a ray hits.
+pub trait Accel: Send + Sync {
+    /// The closest hit inside the ray's interval.
+    fn closest(&self, ray: &Ray) -> Option<Hit>;
+
+    /// Some triangle inside the ray's interval, not necessarily the closest.
+    fn blocker(&self, ray: &Ray) -> Option<u32>;
+
+    /// Whether anything is inside the ray's interval.
+    fn is_blocked(&self, ray: &Ray) -> bool {
+        self.blocker(ray).is_some()
+    }
+
+    /// The closest hit of each ray of a packet.
+    fn closest_packet(&self, packet: &RayPacket) -> [Option<Hit>; PACKET];
+
+    /// Which rays of a packet are blocked: bit `i` for ray `i`.
+    fn blocked_packet(&self, packet: &RayPacket) -> u32;
+}

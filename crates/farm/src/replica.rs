@@ -1,0 +1,138 @@
+use std::sync::Arc;
+
+use glam::Vec3;
+use lie_accel::Occluders;
+use lie_octree::{CellBody, CellState, Cube, LieSettings, LieState, LieTree, Replica};
+use lie_render::{LieCell, LieLight, LieLookup, World};
+
+/// A shader's copy of the LIEs, compiled for shading, under construction.
+///
+/// [`Self::publish`] hands out a picture of it that never moves: frames are rendered from
+/// one while the next is applied.
+pub struct LieReplica {
+    world: Arc<World>,
+    replica: Replica<LieCell>,
+}
+
+/// LIEs of one version, ready to be rendered with.
+pub struct PublishedLies(Replica<LieCell>);
+
+/// Why a cell could not be applied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReplicaError {
+    /// A cell refers to a light that the scene does not have.
+    #[error("a cell refers to light {0}, which the scene does not have")]
+    Light(u32),
+    /// A cell refers to a triangle that the scene does not have.
+    #[error("a cell refers to triangle {0}, which the scene does not have")]
+    Triangle(u32),
+}
+
+impl LieReplica {
+    /// A copy that knows nothing. `settings` are those of the constructor's tree.
+    #[must_use]
+    pub fn new(world: Arc<World>, settings: LieSettings) -> Self {
+        let cube = Cube::around(world.scene().geometry.bounds());
+        let empty = compile(&world, &settings.empty_state());
+        Self {
+            world,
+            replica: Replica::new(cube, empty),
+        }
+    }
+
+    /// The whole of a constructor's tree.
+    #[must_use]
+    pub fn of(world: Arc<World>, tree: &LieTree) -> Self {
+        let mut copy = Self::new(world, tree.settings());
+        for state in tree.keys().into_iter().filter_map(|key| tree.state(key)) {
+            copy.replica.apply(&state, |lie| compile(&copy.world, lie));
+        }
+        copy.replica.reached(tree.version());
+        copy
+    }
+
+    /// Takes in cells, after which the copy equals the constructor's `to_version`.
+    ///
+    /// # Errors
+    /// [`ReplicaError`] if a cell does not fit the scene; the copy is then as it was.
+    pub fn apply(&mut self, states: &[CellState], to_version: u64) -> Result<(), ReplicaError> {
+        states.iter().try_for_each(|state| self.check(state))?;
+        for state in states {
+            self.replica.apply(state, |lie| compile(&self.world, lie));
+        }
+        self.replica.reached(to_version);
+        Ok(())
+    }
+
+    /// The version that it equals.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.replica.version()
+    }
+
+    /// The LIEs as they are now. Costs nothing: unchanged cells are shared.
+    #[must_use]
+    pub fn publish(&self) -> PublishedLies {
+        PublishedLies(self.replica.clone())
+    }
+
+    fn check(&self, state: &CellState) -> Result<(), ReplicaError> {
+        let CellBody::Leaf(lie) = &state.body else {
+            return Ok(());
+        };
+        let scene = self.world.scene();
+        for entry in &lie.lights {
+            if entry.light as usize >= scene.lights.len() {
+                return Err(ReplicaError::Light(entry.light));
+            }
+            let beyond = |&&triangle: &&u32| triangle as usize >= scene.geometry.len();
+            if let Some(&triangle) = entry.occluders.iter().find(beyond) {
+                return Err(ReplicaError::Triangle(triangle));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PublishedLies {
+    /// The constructor's version that they equal.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.0.version()
+    }
+
+    /// Memory of all compiled cells in bytes; takes time in proportion to their number.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let mut bytes = 0;
+        self.0.for_each_leaf(|_, cell| bytes += cell.bytes() as u64);
+        bytes
+    }
+}
+
+impl LieLookup for PublishedLies {
+    fn cell(&self, point: Vec3) -> &LieCell {
+        self.0.leaf_at(point)
+    }
+}
+
+/// An LIE in the form that shading wants. The caller has checked its indices.
+fn compile(world: &World, lie: &LieState) -> LieCell {
+    let scene = world.scene();
+    let (partial, unoccluded): (Vec<_>, Vec<_>) = lie
+        .lights
+        .iter()
+        .partition(|entry| !entry.occluders.is_empty());
+    LieCell {
+        trusted: lie.trusted,
+        unoccluded: unoccluded.iter().map(|entry| entry.light).collect(),
+        partial: partial
+            .iter()
+            .map(|entry| LieLight {
+                light: entry.light,
+                occluders: Occluders::gather(&scene.geometry, Some(scene), &entry.occluders),
+            })
+            .collect(),
+    }
+}

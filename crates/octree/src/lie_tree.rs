@@ -1,0 +1,233 @@
+use std::collections::BTreeSet;
+
+use glam::Vec3;
+use lie_geom::Aabb;
+
+use crate::{
+    CellBody, CellKey, CellState, Lie, LieState, LightEvidence, Observation, Occluder,
+    tree::{Cell, Cube, Octree},
+};
+
+/// How the tree grows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LieSettings {
+    /// Levels below the root that cells may reach; at most [`CellKey::MAX_DEPTH`].
+    pub max_depth: u32,
+    /// A cell with more occluders than this, summed over its lights, splits.
+    pub split_threshold: u32,
+    /// Samples in a cell before shaders rely on it; until then they trace every shadow
+    /// ray. 0 is the paper: cells are relied on from the start, empty ones as well.
+    pub trust: u32,
+}
+
+impl Default for LieSettings {
+    fn default() -> Self {
+        Self {
+            max_depth: 9,
+            split_threshold: 24,
+            trust: 16,
+        }
+    }
+}
+
+impl LieSettings {
+    /// The state of a cell that was never sampled.
+    #[must_use]
+    pub fn empty_state(&self) -> LieState {
+        LieState {
+            trusted: self.trust == 0,
+            lights: vec![],
+        }
+    }
+}
+
+/// Sizes of a tree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LieStats {
+    /// Leaves with at least one sample.
+    pub cells: u64,
+    /// Lights summed over the leaves.
+    pub entries: u64,
+    /// Occluders summed over the leaves.
+    pub occluders: u64,
+    /// Memory of the leaves' contents, evidence included.
+    pub bytes: u64,
+}
+
+/// The constructor's tree: an octree of [`Lie`]s that grows by observations.
+///
+/// A clone is a snapshot: it shares everything and never changes.
+#[derive(Clone, Debug)]
+pub struct LieTree {
+    tree: Octree<Lie>,
+    settings: LieSettings,
+    version: u64,
+    changed: BTreeSet<CellKey>,
+    samples: u64,
+}
+
+impl LieTree {
+    /// An empty tree over the scene's bounds. Settings are clamped to what is possible.
+    #[must_use]
+    pub fn new(bounds: Aabb, settings: LieSettings) -> Self {
+        Self {
+            tree: Octree::new(Cube::around(bounds), Lie::default()),
+            settings: LieSettings {
+                max_depth: settings.max_depth.min(CellKey::MAX_DEPTH),
+                ..settings
+            },
+            version: 0,
+            changed: BTreeSet::new(),
+            samples: 0,
+        }
+    }
+
+    /// How it grows.
+    #[must_use]
+    pub fn settings(&self) -> LieSettings {
+        self.settings
+    }
+
+    /// The cube that it divides.
+    #[must_use]
+    pub fn cube(&self) -> Cube {
+        self.tree.cube()
+    }
+
+    /// Counts commits that changed anything.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Observations recorded.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// The LIE of the smallest cell around a point.
+    #[must_use]
+    pub fn lie_at(&self, point: Vec3) -> &Lie {
+        self.tree.leaf_at(point)
+    }
+
+    /// The smallest cell around a point.
+    #[must_use]
+    pub fn key_at(&self, point: Vec3) -> CellKey {
+        self.tree.key_at(point)
+    }
+
+    /// Takes in one observation, and splits the cell if it has become too complex (LIE
+    /// §4.1): its children start from nothing. The observation may have been made against
+    /// an older state of the tree.
+    pub fn record(&mut self, observation: &Observation) {
+        let key = self.tree.key_at(observation.point);
+        let (settings, version) = (self.settings, self.version);
+        let Some(lie) = self.tree.leaf_mut(key) else {
+            return;
+        };
+        let change = lie.record(&observation.outcomes);
+        self.samples += 1;
+        // Becoming trusted is seen by shaders as well.
+        let newly_trusted = lie.samples() == settings.trust;
+        if newly_trusted || change.new_lights + change.new_occluders > 0 {
+            lie.version = version + 1;
+            self.changed.insert(key);
+        }
+        let too_complex = lie.complexity() > settings.split_threshold as usize;
+        if too_complex && key.depth() < settings.max_depth {
+            let empty = Lie::empty(version + 1);
+            self.tree.split(key, &empty);
+            self.changed.insert(key);
+        }
+    }
+
+    /// Ends a batch: the cells whose [`Self::state`] differs from the last commit's, in
+    /// order of their keys, so parents come before their children. The version counts up
+    /// if there are any.
+    pub fn commit(&mut self) -> Vec<CellKey> {
+        let changed: Vec<CellKey> = std::mem::take(&mut self.changed).into_iter().collect();
+        if !changed.is_empty() {
+            self.version += 1;
+        }
+        changed
+    }
+
+    /// What shaders see of a cell; `None` if there is no such cell.
+    #[must_use]
+    pub fn state(&self, key: CellKey) -> Option<CellState> {
+        Some(match self.tree.get(key)? {
+            Cell::Inner => CellState {
+                key,
+                version: self.version,
+                body: CellBody::Inner,
+            },
+            Cell::Leaf(lie) => CellState {
+                key,
+                version: lie.version,
+                body: CellBody::Leaf(lie.state(self.settings.trust)),
+            },
+        })
+    }
+
+    /// Every cell, parents before children: what a snapshot must send. Leaves that nothing
+    /// is known of are left out, since splitting their parent makes them.
+    #[must_use]
+    pub fn keys(&self) -> Vec<CellKey> {
+        let mut keys = vec![];
+        self.tree.for_each(|key, cell| match cell {
+            Cell::Leaf(lie) if lie.samples() == 0 => {}
+            _ => keys.push(key),
+        });
+        keys
+    }
+
+    /// Counts everything; takes time in proportion to the number of cells.
+    #[must_use]
+    pub fn stats(&self) -> LieStats {
+        let mut stats = LieStats::default();
+        self.tree.for_each(|_, cell| {
+            let Cell::Leaf(lie) = cell else { return };
+            let occluders = lie.complexity();
+            stats.cells += u64::from(lie.samples() > 0);
+            stats.entries += lie.lights().len() as u64;
+            stats.occluders += occluders as u64;
+            stats.bytes += (size_of::<Lie>()
+                + size_of_val(lie.lights())
+                + occluders * size_of::<Occluder>()) as u64;
+        });
+        stats
+    }
+
+    /// Checks every cell's invariants; for tests.
+    ///
+    /// # Errors
+    /// The first broken one.
+    pub fn validate(&self) -> Result<(), String> {
+        let mut broken = Ok(());
+        self.tree.for_each(|key, cell| {
+            let Cell::Leaf(lie) = cell else { return };
+            let rising = lie
+                .lights()
+                .windows(2)
+                .all(|pair| pair[0].light < pair[1].light);
+            let seen = |entry: &LightEvidence| entry.clear >= 1 && entry.clear <= lie.samples();
+            let blocked = |entry: &LightEvidence| {
+                let hits: u32 = entry.occluders.iter().map(|occluder| occluder.hits).sum();
+                hits == entry.blocked && entry.occluders.iter().all(|occluder| occluder.hits >= 1)
+            };
+            let holds = rising
+                && lie
+                    .lights()
+                    .iter()
+                    .all(|entry| seen(entry) && blocked(entry))
+                && key.depth() <= self.settings.max_depth
+                && lie.version <= self.version + 1;
+            if !holds && broken.is_ok() {
+                broken = Err(format!("cell {key:?} breaks an invariant: {lie:?}"));
+            }
+        });
+        broken
+    }
+}

@@ -1,0 +1,103 @@
+use glam::Vec3;
+use lie_geom::Ray;
+
+use crate::LieTree;
+
+/// What construction needs to know of the world.
+pub trait Visibility: Sync {
+    /// Some triangle of the whole scene that blocks a ray.
+    fn blocker(&self, ray: &Ray) -> Option<u32>;
+
+    /// Whether this triangle blocks a ray.
+    fn blocks(&self, triangle: u32, ray: &Ray) -> bool;
+}
+
+/// A ray from a surface point to a random point on a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowRay {
+    /// Number of the light.
+    pub light: u32,
+    /// The segment from the point to the light.
+    pub ray: Ray,
+    /// What the light would add to the pixel if nothing blocked it, as luminance.
+    pub weight: f32,
+}
+
+/// One sample of LIE §4.1: what a point sees of the lights that could light it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// The point.
+    pub point: Vec3,
+    /// Seen or blocked, for each light that could light the point.
+    pub outcomes: Vec<Outcome>,
+    /// Luminance of the pixel as the tree stood when it was observed.
+    pub predicted: f32,
+    /// Luminance of the pixel as it is.
+    pub actual: f32,
+    /// Whether shaders rely on the cell.
+    pub trusted: bool,
+    /// Rays that had to go through the whole scene.
+    pub scene_rays: u32,
+}
+
+/// What one shadow ray met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// Number of the light.
+    pub light: u32,
+    /// What is in the way, if anything.
+    pub blocker: Option<u32>,
+}
+
+/// Traces one sample's shadow rays. A light's known occluders are asked before the scene:
+/// a ray that one of them blocks needs no more, and the list grows only where it must.
+/// (The paper adds whatever obstructing triangle its ray finds; the lists here are the
+/// shorter ones that also hold only triangles that blocked a ray.)
+///
+/// Beside what was seen, the observation tells what the tree would have shown: the
+/// difference is an unbiased estimate of the picture's error.
+#[must_use]
+pub fn observe(
+    tree: &LieTree,
+    point: Vec3,
+    rays: &[ShadowRay],
+    world: &dyn Visibility,
+) -> Observation {
+    let lie = tree.lie_at(point);
+    let trusted = lie.samples() >= tree.settings().trust;
+    let mut observation = Observation {
+        point,
+        outcomes: Vec::with_capacity(rays.len()),
+        predicted: 0.0,
+        actual: 0.0,
+        trusted,
+        scene_rays: 0,
+    };
+    for ShadowRay { light, ray, weight } in rays {
+        let known = lie.light(*light);
+        let occluder = known.and_then(|entry| {
+            let blocks = |occluder: &&crate::Occluder| world.blocks(occluder.triangle, ray);
+            entry.occluders.iter().find(blocks)
+        });
+        let blocker = match occluder {
+            Some(occluder) => Some(occluder.triangle),
+            None => {
+                observation.scene_rays += 1;
+                world.blocker(ray)
+            }
+        };
+        // In a cell that is not trusted the shader asks the scene, and is right.
+        let shown = if trusted {
+            known.is_some() && occluder.is_none()
+        } else {
+            blocker.is_none()
+        };
+        observation.predicted += if shown { *weight } else { 0.0 };
+        observation.actual += if blocker.is_none() { *weight } else { 0.0 };
+        observation.outcomes.push(Outcome {
+            light: *light,
+            blocker,
+        });
+    }
+    observation
+}

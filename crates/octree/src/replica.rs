@@ -1,0 +1,153 @@
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::{
+    CellKey,
+    tree::{Cell, Cube, Octree},
+};
+
+/// One cell as shaders see it: the unit of deltas and snapshots.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellState {
+    /// Which cell.
+    pub key: CellKey,
+    /// The tree's version when this last changed; of two states of a leaf the one with
+    /// the larger version holds.
+    pub version: u64,
+    /// Its content.
+    pub body: CellBody,
+}
+
+/// What a cell holds. A cell that has been split never becomes a leaf again.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CellBody {
+    /// Eight children.
+    Inner,
+    /// An LIE.
+    Leaf(LieState),
+}
+
+/// An LIE without the evidence for it (LIE §4): lights with their occluders.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LieState {
+    /// Whether it rests on enough samples to be relied on.
+    pub trusted: bool,
+    /// The lights that reach the cell, in order of their number. One without occluders is
+    /// unoccluded; one that is not here is fully occluded.
+    pub lights: Vec<LitLight>,
+}
+
+/// A light that reaches a cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LitLight {
+    /// Number of the light in the scene.
+    pub light: u32,
+    /// The triangles that may come in between.
+    pub occluders: Vec<u32>,
+}
+
+/// A shader's copy of the tree, with each leaf in the form `T` that rendering wants.
+///
+/// States may be applied in any order and more than once.
+#[derive(Clone, Debug)]
+pub struct Replica<T> {
+    tree: Octree<Leaf<T>>,
+    empty: Leaf<T>,
+    version: u64,
+}
+
+#[derive(Debug)]
+struct Leaf<T> {
+    version: u64,
+    value: Arc<T>,
+}
+
+impl<T> Clone for Leaf<T> {
+    fn clone(&self) -> Self {
+        Self {
+            version: self.version,
+            value: self.value.clone(),
+        }
+    }
+}
+
+impl<T> Replica<T> {
+    /// A tree that knows nothing. `empty` is the form of
+    /// [`crate::LieSettings::empty_state`].
+    #[must_use]
+    pub fn new(cube: Cube, empty: T) -> Self {
+        let empty = Leaf {
+            version: 0,
+            value: Arc::new(empty),
+        };
+        Self {
+            tree: Octree::new(cube, empty.clone()),
+            empty,
+            version: 0,
+        }
+    }
+
+    /// The constructor's version that this copy equals.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// The leaf around a point.
+    #[must_use]
+    #[inline]
+    pub fn leaf_at(&self, point: Vec3) -> &T {
+        &self.tree.leaf_at(point).value
+    }
+
+    /// The smallest cell around a point.
+    #[must_use]
+    pub fn key_at(&self, point: Vec3) -> CellKey {
+        self.tree.key_at(point)
+    }
+
+    /// Takes in one cell. `compile` turns a leaf into the form wanted here; it is called
+    /// only if the state is news.
+    pub fn apply(&mut self, state: &CellState, compile: impl FnOnce(&LieState) -> T) {
+        match &state.body {
+            CellBody::Inner => {
+                if state.key.depth() < CellKey::MAX_DEPTH
+                    && !matches!(self.tree.get(state.key), Some(Cell::Inner))
+                {
+                    self.tree.split(state.key, &self.empty);
+                }
+            }
+            CellBody::Leaf(lie) => {
+                if self.tree.get(state.key).is_none()
+                    && let Some(parent) = CellKey::from_raw(state.key.raw() >> 3)
+                {
+                    self.tree.split(parent, &self.empty);
+                }
+                // No leaf: the cell has been split since, and this is old news.
+                if let Some(leaf) = self.tree.leaf_mut(state.key)
+                    && (leaf.version <= state.version)
+                {
+                    *leaf = Leaf {
+                        version: state.version,
+                        value: Arc::new(compile(lie)),
+                    };
+                }
+            }
+        }
+    }
+
+    /// Says that every cell of the constructor's version `version` has been applied.
+    pub fn reached(&mut self, version: u64) {
+        self.version = version;
+    }
+
+    /// Calls `visit` for every leaf.
+    pub fn for_each_leaf(&self, mut visit: impl FnMut(CellKey, &T)) {
+        self.tree.for_each(|key, cell| {
+            if let Cell::Leaf(leaf) = cell {
+                visit(key, &leaf.value);
+            }
+        });
+    }
+}

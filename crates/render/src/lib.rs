@@ -1,0 +1,56 @@
+//! From a scene and a camera to a picture: integrators, the tile renderer, film, tone
+//! mapping, image files and image metrics.
+//!
+//! [`World`] is a scene with its acceleration structure. [`render_tile`] renders one
+//! [`Tile`] of a frame; [`render_frame`] all of them, on the threads at hand. What the
+//! local illumination environments say is asked through [`LieLookup`]: this crate knows
+//! cells, not trees.
+//!
+//! Every pixel is a function of scene, camera, [`FrameSettings`] and the LIEs alone: the
+//! random numbers are keyed by pixel, sample and light, and sums are taken in one order.
+//!
+//! ```no_run
+//! # use std::sync::Arc;
+//! # use lie_render::{FrameSettings, Integrator, NoLies, World, render_frame};
+//! # fn scene() -> lie_scene::Scene { unimplemented!() }
+//! let world = World::new(Arc::new(scene()));
+//! let settings = FrameSettings::new(&world.scene().settings, Integrator::Standard);
+//! let camera = &world.scene().cameras[0];
+//! let (film, stats) = render_frame(&world, &NoLies, camera, &settings, &mut |_| {});
+//! println!("{} shadow rays", stats.shadow_rays);
+//! lie_render::write_exr("picture.exr".as_ref(), &film, lie_render::Precision::Float)?;
+//! # Ok::<(), lie_render::ImageError>(())
+//! ```
+
+mod brdf;
+mod cell;
+mod film;
+mod frame;
+mod image_file;
+mod light_rays;
+mod metrics;
+mod shadow_queue;
+mod stats;
+mod tile;
+mod tile_renderer;
+mod tone_map;
+mod world;
+
+pub use brdf::Brdf;
+pub use cell::{LieCell, LieLight, LieLookup, NoLies};
+pub use film::{Film, Precision};
+pub use frame::render_frame;
+pub use image_file::{ImageError, read_image, write_exr, write_png};
+pub use light_rays::LightRay;
+pub use metrics::{Comparison, compare};
+pub use stats::RenderStats;
+pub use tile::{RadianceTile, Tile, TileError, tiles};
+pub use tile_renderer::{FrameSettings, Integrator, TileResult, render_tile};
+pub use tone_map::{ToneCurve, ToneMap};
+pub use world::World;
+
+/// Luminance of linear Rec. 709 colour.
+#[must_use]
+pub fn luminance(color: glam::Vec3) -> f32 {
+    color.dot(glam::Vec3::new(0.2126, 0.7152, 0.0722))
+}

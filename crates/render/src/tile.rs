@@ -1,0 +1,148 @@
+use glam::{UVec2, Vec3};
+
+/// A rectangle of a frame, in film pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Tile {
+    /// Upper left pixel.
+    pub origin: UVec2,
+    /// Columns and rows.
+    pub size: UVec2,
+}
+
+/// Side of a tile in pixels; those at the right and lower border may be smaller.
+const SIDE: u32 = 32;
+
+/// The tiles of a frame, row by row.
+#[must_use]
+pub fn tiles(size: UVec2) -> Vec<Tile> {
+    let starts = |end: u32| (0..end).step_by(SIDE as usize);
+    starts(size.y)
+        .flat_map(|y| starts(size.x).map(move |x| UVec2::new(x, y)))
+        .map(|origin| Tile {
+            origin,
+            size: (size - origin).min(UVec2::splat(SIDE)),
+        })
+        .collect()
+}
+
+/// A finished rectangle of the film, as linear RGB radiance.
+///
+/// Shape: `size.y × size.x`, row-major, row 0 on top; element `y * size.x + x` is film
+/// pixel `origin + (x, y)`. Units: W·sr⁻¹·m⁻² per channel (Rec. 709 primaries), before
+/// exposure and tone mapping, so a viewer can re-expose without re-rendering.
+///
+/// Invariants, established by [`Self::new`] and relied on when compositing:
+/// * each side lies in `1..=MAX_SIDE`, and `radiance.len() == size.x * size.y`;
+/// * every channel is finite and non-negative.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RadianceTile {
+    tile: Tile,
+    radiance: Vec<Vec3>,
+}
+
+/// Why data could not become a [`RadianceTile`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TileError {
+    /// A side is zero or too long, or the tile leaves the film.
+    #[error("tile of {0} pixels has a side outside 1..={max}", max = RadianceTile::MAX_SIDE)]
+    Size(UVec2),
+    /// The number of pixels is not the area.
+    #[error("a tile of {size} pixels came with {count} values")]
+    Count {
+        /// The tile's size.
+        size: UVec2,
+        /// Values given.
+        count: usize,
+    },
+    /// A value is negative, infinite or undefined.
+    #[error("the radiance of pixel {0} of a tile is not a finite, non-negative number")]
+    Value(usize),
+}
+
+impl RadianceTile {
+    /// Longest side in pixels; bounds what a hostile peer can make us hold.
+    pub const MAX_SIDE: u32 = 256;
+
+    /// Checks `radiance` once, here, so that no reader has to check again.
+    ///
+    /// # Errors
+    /// [`TileError`] if an invariant above fails; nothing is clamped silently.
+    pub fn new(tile: Tile, radiance: Vec<Vec3>) -> Result<Self, TileError> {
+        let sides = 1..=Self::MAX_SIDE;
+        if !sides.contains(&tile.size.x) || !sides.contains(&tile.size.y) {
+            return Err(TileError::Size(tile.size));
+        }
+        if radiance.len() != (tile.size.x * tile.size.y) as usize {
+            return Err(TileError::Count {
+                size: tile.size,
+                count: radiance.len(),
+            });
+        }
+        let possible = |value: &Vec3| value.is_finite() && value.min_element() >= 0.0;
+        match radiance.iter().position(|value| !possible(value)) {
+            Some(pixel) => Err(TileError::Value(pixel)),
+            None => Ok(Self { tile, radiance }),
+        }
+    }
+
+    /// Where it lies.
+    #[must_use]
+    pub fn tile(&self) -> Tile {
+        self.tile
+    }
+
+    /// Its pixels, row by row.
+    #[must_use]
+    pub fn radiance(&self) -> &[Vec3] {
+        &self.radiance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_every_pixel_once() {
+        for size in [UVec2::new(1, 1), UVec2::new(33, 64), UVec2::new(100, 7)] {
+            let mut seen = vec![0; (size.x * size.y) as usize];
+            for tile in tiles(size) {
+                for y in tile.origin.y..tile.origin.y + tile.size.y {
+                    for x in tile.origin.x..tile.origin.x + tile.size.x {
+                        seen[(y * size.x + x) as usize] += 1;
+                    }
+                }
+            }
+            assert!(seen.iter().all(|&count| count == 1), "{size}");
+        }
+    }
+
+    #[test]
+    fn impossible_tiles_are_refused() {
+        let tile = |x, y| Tile {
+            origin: UVec2::ZERO,
+            size: UVec2::new(x, y),
+        };
+        assert!(RadianceTile::new(tile(2, 1), vec![Vec3::ONE; 2]).is_ok());
+        assert!(matches!(
+            RadianceTile::new(tile(0, 1), vec![]),
+            Err(TileError::Size(_))
+        ));
+        assert!(matches!(
+            RadianceTile::new(tile(257, 1), vec![]),
+            Err(TileError::Size(_))
+        ));
+        assert!(matches!(
+            RadianceTile::new(tile(2, 1), vec![Vec3::ONE]),
+            Err(TileError::Count { .. })
+        ));
+        for bad in [f32::NAN, f32::INFINITY, -1.0] {
+            let values = vec![Vec3::ONE, Vec3::new(0.0, bad, 0.0)];
+            assert_eq!(
+                RadianceTile::new(tile(2, 1), values),
+                Err(TileError::Value(1))
+            );
+        }
+    }
+}

@@ -1,0 +1,349 @@
+use std::{
+    sync::atomic::{AtomicBool, Ordering},
+    time::Instant,
+};
+
+use glam::{UVec2, Vec2, Vec3};
+use lie_accel::{PACKET, RayPacket};
+use lie_geom::{
+    RandomKey, Ray,
+    sampling::{strata, stratified},
+};
+use lie_scene::{Camera, RenderSettings, Surface};
+
+use crate::{
+    Brdf, LieCell, LieLookup, RadianceTile, RenderStats, Tile, World, light_rays::light_squares,
+    shadow_queue::ShadowQueue,
+};
+
+/// How visibility of lights is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Integrator {
+    /// A full shadow ray for every light and sample: the reference.
+    Standard,
+    /// Local illumination environments (LIE §4.2).
+    Lie,
+}
+
+/// All that a frame's pixels depend on, beside scene, camera and LIEs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameSettings {
+    /// Columns and rows.
+    pub size: UVec2,
+    /// Camera rays per pixel; a single one goes through the pixel's centre.
+    pub samples_per_pixel: u32,
+    /// Sample points on each area light for each camera ray.
+    pub light_samples: u32,
+    /// How visibility is found.
+    pub integrator: Integrator,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+impl FrameSettings {
+    /// The scene's own settings.
+    #[must_use]
+    pub fn new(settings: &RenderSettings, integrator: Integrator) -> Self {
+        Self {
+            size: settings.size,
+            samples_per_pixel: settings.samples_per_pixel,
+            light_samples: settings.light_samples,
+            integrator,
+            seed: 0,
+        }
+    }
+}
+
+/// A rendered tile and what it cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TileResult {
+    /// The pixels.
+    pub radiance: RadianceTile,
+    /// The cost.
+    pub stats: RenderStats,
+}
+
+/// Renders one tile on this thread. `None` if `cancelled` became true on the way.
+///
+/// # Panics
+/// If the tile has a side of 0 or more than [`RadianceTile::MAX_SIDE`] pixels.
+#[must_use]
+pub fn render_tile(
+    world: &World,
+    lies: &dyn LieLookup,
+    camera: &Camera,
+    settings: &FrameSettings,
+    tile: Tile,
+    cancelled: &AtomicBool,
+) -> Option<TileResult> {
+    let mut renderer = TileRenderer {
+        world,
+        lies,
+        camera,
+        settings,
+        light_strata: strata(settings.light_samples),
+        stats: RenderStats::default(),
+        cancelled,
+    };
+    let mut sums = vec![Vec3::ZERO; (tile.size.x * tile.size.y) as usize];
+    // Squares of 16 × 16 pixels: neighbours that share nodes, occluders and lights.
+    for start_y in (0..tile.size.y).step_by(SQUARE as usize) {
+        for start_x in (0..tile.size.x).step_by(SQUARE as usize) {
+            let start = UVec2::new(start_x, start_y);
+            let size = (tile.size - start).min(UVec2::splat(SQUARE));
+            let square = Tile {
+                origin: tile.origin + start,
+                size,
+            };
+            let pixels = renderer.square(square)?;
+            for (index, value) in pixels.into_iter().enumerate() {
+                let (x, y) = (index as u32 % size.x, index as u32 / size.x);
+                sums[((start.y + y) * tile.size.x + start.x + x) as usize] = value;
+            }
+        }
+    }
+    let radiance =
+        RadianceTile::new(tile, sums).expect("shading gives finite, non-negative radiance");
+    Some(TileResult {
+        radiance,
+        stats: renderer.stats,
+    })
+}
+
+const SQUARE: u32 = 16;
+
+struct TileRenderer<'a> {
+    world: &'a World,
+    lies: &'a dyn LieLookup,
+    camera: &'a Camera,
+    settings: &'a FrameSettings,
+    light_strata: (u32, u32),
+    stats: RenderStats,
+    cancelled: &'a AtomicBool,
+}
+
+/// A camera ray that met a surface, waiting for its light.
+struct ShadingPoint<'a> {
+    /// Index of its pixel in the square.
+    pixel: usize,
+    key: RandomKey,
+    surface: Surface,
+    brdf: Brdf,
+    cell: Option<&'a LieCell>,
+}
+
+impl<'a> TileRenderer<'a> {
+    /// Renders a small square; `None` when cancelled.
+    fn square(&mut self, square: Tile) -> Option<Vec<Vec3>> {
+        let mut sums = vec![Vec3::ZERO; (square.size.x * square.size.y) as usize];
+        for sample in 0..self.settings.samples_per_pixel {
+            if self.cancelled.load(Ordering::Relaxed) {
+                return None;
+            }
+            let clock = Instant::now();
+            let points = self.shading_points(square, sample, &mut sums);
+            let clock = lap(clock, &mut self.stats.visibility_ns);
+            self.unoccluded(&points, &mut sums);
+            let clock = lap(clock, &mut self.stats.unoccluded_ns);
+            self.partial(&points, &mut sums)?;
+            let clock = lap(clock, &mut self.stats.partial_ns);
+            self.full(&points, &mut sums)?;
+            lap(clock, &mut self.stats.full_ns);
+        }
+        let share = 1.0 / self.settings.samples_per_pixel as f32;
+        Some(sums.into_iter().map(|sum| finite(sum * share)).collect())
+    }
+
+    /// Primary visibility: packets of 4 × 4 pixels. Emission and background are added at once.
+    fn shading_points(
+        &mut self,
+        square: Tile,
+        sample: u32,
+        sums: &mut [Vec3],
+    ) -> Vec<ShadingPoint<'a>> {
+        let mut points = Vec::with_capacity(sums.len());
+        for y in (0..square.size.y).step_by(4) {
+            for x in (0..square.size.x).step_by(4) {
+                let start = UVec2::new(x, y);
+                let size = (square.size - start).min(UVec2::splat(4));
+                let mut rays = [Ray::new(Vec3::ZERO, Vec3::X); PACKET];
+                let mut pixels = [(0, RandomKey::new(0)); PACKET];
+                let count = (size.x * size.y) as usize;
+                for lane in 0..count {
+                    let offset = UVec2::new(lane as u32 % size.x, lane as u32 / size.x);
+                    let pixel = start + offset;
+                    let (ray, key) = self.camera_ray(square.origin + pixel, sample);
+                    rays[lane] = ray;
+                    pixels[lane] = ((pixel.y * square.size.x + pixel.x) as usize, key);
+                }
+                let hits = self
+                    .world
+                    .accel()
+                    .closest_packet(&RayPacket::new(&rays[..count]));
+                self.stats.primary_rays += count as u64;
+                for lane in 0..count {
+                    let (pixel, key) = pixels[lane];
+                    match hits[lane] {
+                        None => sums[pixel] += self.world.scene().background.radiance,
+                        Some(hit) => {
+                            let surface = self.world.scene().surface(&rays[lane], &hit);
+                            sums[pixel] += self.emission(&surface);
+                            points.push(self.shading_point(pixel, key, surface));
+                        }
+                    }
+                }
+            }
+        }
+        points
+    }
+
+    fn shading_point(
+        &mut self,
+        pixel: usize,
+        key: RandomKey,
+        surface: Surface,
+    ) -> ShadingPoint<'a> {
+        let cell = match self.settings.integrator {
+            Integrator::Standard => None,
+            Integrator::Lie => Some(self.lies.cell(surface.position)).filter(|cell| cell.trusted),
+        };
+        self.stats.surfaces += 1;
+        self.stats.trusted += u64::from(cell.is_some());
+        let brdf = Brdf::new(self.world.scene(), &surface);
+        ShadingPoint {
+            pixel,
+            key,
+            surface,
+            brdf,
+            cell,
+        }
+    }
+
+    /// The ray of a sample and the key of its random numbers.
+    fn camera_ray(&self, pixel: UVec2, sample: u32) -> (Ray, RandomKey) {
+        let key = RandomKey::new(self.settings.seed)
+            .mix(u64::from(pixel.x) | u64::from(pixel.y) << 32)
+            .mix(u64::from(sample));
+        let count = self.settings.samples_per_pixel;
+        let offset = if count == 1 {
+            Vec2::splat(0.5)
+        } else {
+            stratified(strata(count), sample, key.uniform2(0))
+        };
+        (
+            self.camera
+                .ray(pixel.as_vec2() + offset, self.settings.size),
+            key.mix(1),
+        )
+    }
+
+    fn emission(&self, surface: &Surface) -> Vec3 {
+        let material = self.world.scene().material_at(surface);
+        if surface.front || material.double_sided {
+            material.emission
+        } else {
+            Vec3::ZERO
+        }
+    }
+
+    /// Unoccluded lights: no rays at all.
+    fn unoccluded(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) {
+        for point in points {
+            for &index in point.cell.map_or(&[][..], |cell| &cell.unoccluded) {
+                let Some(light) = self.world.scene().lights.get(index as usize) else {
+                    continue;
+                };
+                let mut sum = Vec3::ZERO;
+                let mut count = 0;
+                for square in light_squares(point.key, index, light, self.light_strata) {
+                    count += 1;
+                    if let Some(ray) =
+                        self.world
+                            .light_ray(index, light, &point.surface, &point.brdf, square)
+                    {
+                        sum += ray.radiance;
+                    }
+                }
+                sums[point.pixel] += sum / count as f32;
+            }
+        }
+    }
+
+    /// Partially occluded lights: rays against the occluders alone.
+    fn partial(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
+        let scene = self.world.scene();
+        for point in points {
+            if self.cancelled.load(Ordering::Relaxed) {
+                return None;
+            }
+            for entry in point.cell.map_or(&[][..], |cell| &cell.partial) {
+                let Some(light) = scene.lights.get(entry.light as usize) else {
+                    continue;
+                };
+                let mut sum = Vec3::ZERO;
+                let mut count = 0;
+                for square in light_squares(point.key, entry.light, light, self.light_strata) {
+                    count += 1;
+                    let Some(ray) = self.world.light_ray(
+                        entry.light,
+                        light,
+                        &point.surface,
+                        &point.brdf,
+                        square,
+                    ) else {
+                        continue;
+                    };
+                    self.stats.list_rays += 1;
+                    self.stats.occluder_tests += entry.occluders.len() as u64;
+                    if !entry.occluders.is_blocked(&ray.ray, Some(scene)) {
+                        sum += ray.radiance;
+                    }
+                }
+                sums[point.pixel] += sum / count as f32;
+            }
+        }
+        Some(())
+    }
+
+    /// Points without a trusted LIE: rays through the whole scene, light by light, so that
+    /// neighbouring points' rays to one light share a packet.
+    fn full(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
+        let mut queue = ShadowQueue::new(self.world.accel());
+        for (index, light) in (0u32..).zip(&self.world.scene().lights) {
+            if self.cancelled.load(Ordering::Relaxed) {
+                return None;
+            }
+            let count = if light.is_delta() {
+                1
+            } else {
+                self.settings.light_samples
+            };
+            for point in points.iter().filter(|point| point.cell.is_none()) {
+                for square in light_squares(point.key, index, light, self.light_strata) {
+                    let ray =
+                        self.world
+                            .light_ray(index, light, &point.surface, &point.brdf, square);
+                    if let Some(ray) = ray {
+                        queue.push(&ray, 1.0 / count as f32, point.pixel, sums);
+                    }
+                }
+            }
+        }
+        queue.flush(sums);
+        self.stats.shadow_rays += queue.traced;
+        Some(())
+    }
+}
+
+/// Adds the time since `clock` and starts anew.
+fn lap(clock: Instant, total: &mut u64) -> Instant {
+    let now = Instant::now();
+    *total += now.duration_since(clock).as_nanos() as u64;
+    now
+}
+
+/// A sum that overflowed is cut to the largest number: a lamp touching a surface must not
+/// make the picture undefined.
+fn finite(value: Vec3) -> Vec3 {
+    value.clamp(Vec3::ZERO, Vec3::splat(f32::MAX))
+}
