@@ -39,7 +39,7 @@ impl Site {
                 corner,
                 edge_u,
                 edge_v,
-                1.5 * COOL,
+                6.0 * COOL,
             );
         }
         for (index, (x, z)) in [(-8.0, -11.5), (-8.0, -14.4), (8.0, -11.5), (8.0, -14.4)]
@@ -51,7 +51,7 @@ impl Site {
                 &format!("court sconce {index}"),
                 Vec3::new(x, 2.5, z),
                 normal,
-                2.2 * WARM,
+                5.0 * WARM,
             );
         }
     }
@@ -309,7 +309,7 @@ impl Site {
                 &name,
                 key,
                 target,
-                34.0 * strength * NEUTRAL,
+                44.0 * strength * NEUTRAL,
                 [9.0, 17.0],
                 stem(key),
             );
@@ -318,7 +318,7 @@ impl Site {
                 &name,
                 fill,
                 target,
-                11.0 * strength * COOL,
+                18.0 * strength * COOL,
                 [12.0, 22.0],
                 stem(fill),
             );
@@ -329,7 +329,7 @@ impl Site {
     fn add_ring(&mut self) {
         let center = Vec3::new(0.0, 4.35, -12.6);
         let material = self.draft.add_material(Material {
-            emission: 5.5 * NEUTRAL,
+            emission: 9.0 * NEUTRAL,
             ..Material::diffuse("ring of light", Vec3::splat(0.8))
         });
         let ring = torus(1.25, 0.05, [self.fine(72), self.fine(10)]);

@@ -13,7 +13,7 @@ use crate::{
     Light, LightKind, Material, TextureRef,
     generate::{
         mesh::Mesh,
-        shapes::{lathe, parametric, rod, sphere},
+        shapes::{lathe, parametric, rod, sphere, torus},
     },
 };
 
@@ -41,13 +41,13 @@ impl Site {
     ) {
         let shade = lathe(
             &[
-                Vec2::new(0.27, -0.15),
-                Vec2::new(0.275, -0.15),
-                Vec2::new(0.20, 0.08),
-                Vec2::new(0.11, 0.17),
-                Vec2::new(0.105, 0.17),
-                Vec2::new(0.193, 0.08),
-                Vec2::new(0.27, -0.15),
+                Vec2::new(0.29, -0.07),
+                Vec2::new(0.295, -0.07),
+                Vec2::new(0.22, 0.06),
+                Vec2::new(0.13, 0.15),
+                Vec2::new(0.125, 0.15),
+                Vec2::new(0.213, 0.06),
+                Vec2::new(0.29, -0.07),
             ],
             self.fine(40),
         );
@@ -74,13 +74,51 @@ impl Site {
         for spoke in 0..3 {
             let (sin, cos) = (spoke as f32 / 3.0 * TAU).sin_cos();
             let arm = rod(
-                0.165 * Vec3::Y,
-                Vec3::new(0.107 * cos, 0.165, 0.107 * sin),
+                0.15 * Vec3::Y,
+                Vec3::new(0.127 * cos, 0.15, 0.127 * sin),
                 0.004,
                 6,
             );
             iron.add(&arm, Quat::IDENTITY, position);
         }
+        self.part(format!("{name} cable"), self.palette.black, iron);
+        self.point(name, position, intensity);
+    }
+
+    /// A lamp within a drum of slats: it throws rays of light and shadow all round.
+    pub(super) fn add_lantern(
+        &mut self,
+        name: &str,
+        position: Vec3,
+        ceiling: f32,
+        intensity: Vec3,
+    ) {
+        const SLATS: u32 = 14;
+        let mut brass = Mesh::default();
+        for slat in 0..SLATS {
+            let (sin, cos) = (slat as f32 / SLATS as f32 * TAU).sin_cos();
+            let (out, side) = (Vec3::new(cos, 0.0, sin), Vec3::new(-sin, 0.0, cos));
+            let corner = position + 0.22 * out - 0.012 * side - 0.2 * Vec3::Y;
+            brass.block(corner, 0.024 * side, 0.4 * Vec3::Y, 0.006 * out);
+        }
+        for height in [-0.2, 0.2] {
+            let ring = torus(0.223, 0.014, [self.fine(40), self.fine(10)]);
+            brass.add(&ring, Quat::IDENTITY, position + height * Vec3::Y);
+        }
+        for spoke in 0..3 {
+            let (sin, cos) = (spoke as f32 / 3.0 * TAU).sin_cos();
+            let arm = rod(
+                0.42 * Vec3::Y,
+                Vec3::new(0.22 * cos, 0.2, 0.22 * sin),
+                0.006,
+                6,
+            );
+            brass.add(&arm, Quat::IDENTITY, position);
+        }
+        self.part(format!("{name} drum"), self.palette.brass, brass);
+        let mut iron = Mesh::default();
+        let cable = rod(0.42 * Vec3::Y, (ceiling - position.y) * Vec3::Y, 0.008, 8);
+        iron.add(&cable, Quat::IDENTITY, position);
         self.part(format!("{name} cable"), self.palette.black, iron);
         self.point(name, position, intensity);
     }

@@ -39,9 +39,9 @@ impl Site {
         let center = Vec3::new(5.45 * sign, HEIGHT - 0.03, -4.5);
         let half = Vec3::new(1.3, 0.0, 0.8);
         let radiance = if sign < 0.0 {
-            1.15 * COOL
+            5.0 * COOL
         } else {
-            0.8 * NEUTRAL
+            4.2 * NEUTRAL
         };
         self.panel(
             &format!("{name} skylight"),
@@ -178,7 +178,7 @@ impl Site {
                 strip,
                 along,
                 0.06 * Vec3::X,
-                9.0 * WARM,
+                16.0 * WARM,
             );
         }
         self.part(format!("{name} cornice"), self.palette.trim, ledges);
@@ -216,7 +216,7 @@ impl Site {
             pictures.push(hang(Vec3::new(inner, 1.6, z), -inwards, small[0], small[1]));
         }
         for (index, picture) in pictures.iter().enumerate() {
-            let intensity = 4.6 + 1.2 * picture.size.x;
+            let intensity = 8.0 + 2.2 * picture.size.x;
             self.add_picture(first + index as u32, picture, HEIGHT, intensity);
         }
     }

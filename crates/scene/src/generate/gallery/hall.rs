@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{
-    Site, WARM,
+    COOL, Site, WARM,
     walls::{Opening, Room, Wall},
 };
 use crate::generate::mesh::Mesh;
@@ -28,11 +28,11 @@ impl Site {
         // Between the columns: lamps along the middle, spots down the walls' niches.
         for (index, z) in [1.1, 3.5, 5.9].into_iter().enumerate() {
             let place = Vec3::new(0.0, 3.15, z);
-            self.add_pendant(
-                &format!("hall pendant {index}"),
+            self.add_lantern(
+                &format!("hall lantern {index}"),
                 place,
                 HALL_HEIGHT - 0.28,
-                5.5 * WARM,
+                9.0 * WARM,
             );
         }
         for (index, (x, z)) in [(-4.2, 2.5), (-4.2, 4.5), (4.2, 2.5), (4.2, 4.5)]
@@ -46,7 +46,7 @@ impl Site {
                 &name,
                 lamp,
                 target,
-                24.0 * WARM,
+                30.0 * WARM,
                 [16.0, 34.0],
                 lamp + 0.35 * Vec3::Y,
             );
@@ -105,6 +105,21 @@ impl Site {
                 );
             }
         }
+        // A window over it, with the last of the day behind.
+        for (from, to) in [(-1.1, -0.04), (0.04, 1.1)] {
+            let corner = Vec3::new(from, 3.15, room.max.z - 0.02);
+            self.panel(
+                "fanlight",
+                corner,
+                1.1 * Vec3::Y,
+                (to - from) * Vec3::X,
+                3.5 * COOL,
+            );
+        }
+        for x in [-1.14, -0.04, 1.1] {
+            let z = room.max.z;
+            door.cuboid(Vec3::new(x, 3.0, z - 0.07), Vec3::new(x + 0.08, 4.3, z));
+        }
         self.part("entrance door", self.palette.wood, door);
     }
 
@@ -119,7 +134,7 @@ impl Site {
             foot + Vec3::new(0.24, 0.95, 0.24),
         );
         self.part(format!("hall stand {index}"), self.palette.limestone, stand);
-        let material = if index % 2 == 0 {
+        let material = if index.is_multiple_of(2) {
             self.palette.celadon
         } else {
             self.palette.bronze
@@ -153,7 +168,7 @@ impl Site {
                 &format!("corridor pendant {index}"),
                 place,
                 CORRIDOR_HEIGHT,
-                1.5 * WARM,
+                3.2 * WARM,
             );
         }
     }
@@ -212,7 +227,7 @@ impl Site {
                 &name,
                 lamp,
                 target,
-                7.0 * WARM,
+                10.0 * WARM,
                 [11.0, 22.0],
                 lamp + 0.25 * Vec3::Y,
             );

@@ -38,8 +38,8 @@ impl Palette {
         };
         let plaster = matt("plaster", 0.80, 0.75, 0.67);
         let ceiling = matt("ceiling", 0.84, 0.82, 0.77);
-        let green_wall = matt("green wall", 0.17, 0.27, 0.22);
-        let red_wall = matt("red wall", 0.42, 0.12, 0.10);
+        let green_wall = matt("green wall", 0.27, 0.38, 0.32);
+        let red_wall = matt("red wall", 0.50, 0.15, 0.12);
         let limestone = matt("limestone", 0.72, 0.66, 0.56);
         let trim = matt("trim", 0.82, 0.79, 0.72);
         let mut coated = |name: &str, color: Vec3, roughness: f32, texture: Option<(u32, f32)>| {
@@ -74,16 +74,16 @@ impl Palette {
             wood: coated("walnut", Vec3::new(0.22, 0.12, 0.06), 0.42, None),
             leather: coated("leather", Vec3::new(0.30, 0.10, 0.05), 0.5, None),
             celadon: coated("celadon", Vec3::new(0.36, 0.55, 0.47), 0.28, None),
-            bronze: metal(draft, "bronze", Vec3::new(0.62, 0.42, 0.24), 0.4),
-            gold: metal(draft, "gilt", Vec3::new(0.92, 0.68, 0.32), 0.42),
-            brass: metal(draft, "brass", Vec3::new(0.80, 0.62, 0.30), 0.35),
+            bronze: metal(draft, "bronze", Vec3::new(0.62, 0.42, 0.24), 0.4, 1.0),
+            gold: metal(draft, "gilt", Vec3::new(0.86, 0.58, 0.22), 0.5, 0.35),
+            brass: metal(draft, "brass", Vec3::new(0.78, 0.56, 0.24), 0.4, 0.5),
         }
     }
 }
 
-fn metal(draft: &mut Draft, name: &str, color: Vec3, roughness: f32) -> u32 {
+fn metal(draft: &mut Draft, name: &str, color: Vec3, roughness: f32, metallic: f32) -> u32 {
     draft.add_material(Material {
-        metallic: 1.0,
+        metallic,
         specular: 1.0,
         roughness,
         ..Material::diffuse(name, color)
@@ -152,7 +152,7 @@ fn plank_texture(key: RandomKey) -> Texture {
         let plank = key.mix(u64::from(row)).mix(u64::from(shifted / 128));
         let tint = 0.72 + 0.5 * plank.uniform(0);
         let grain = noise(plank, shifted as f32 / 32.0, y as f32 / 2.0, 256);
-        let joint = y % 32 == 0 || shifted % 128 == 0;
+        let joint = y % 32 == 0 || shifted.is_multiple_of(128);
         Vec3::new(0.42, 0.25, 0.13) * tint * (0.8 + 0.35 * grain) * if joint { 0.35 } else { 1.0 }
     })
 }
