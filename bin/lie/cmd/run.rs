@@ -115,7 +115,7 @@ pub(crate) enum Format {
     Both,
 }
 
-pub(crate) fn execute(arguments: &Run) -> anyhow::Result<()> {
+pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
     if arguments
         .settle
         .is_some_and(|seconds| !(0.0..1.0e6).contains(&seconds))
@@ -136,7 +136,7 @@ pub(crate) fn execute(arguments: &Run) -> anyhow::Result<()> {
     let runtime = process::runtime()?;
     let shutdown = process::shutdown(&runtime, None);
     let bar = progress_bar(arguments.frames);
-    let launch = launch_config(arguments, bar.clone())?;
+    let launch = launch_config(arguments, log, bar.clone())?;
     let result = runtime.block_on(async {
         let farm = tokio::select! {
             started = Farm::start(launch) => started?,
@@ -242,8 +242,9 @@ fn path(name: Option<&str>, scene: &SceneSummary) -> anyhow::Result<Walkthrough>
     })
 }
 
-fn launch_config(arguments: &Run, bar: ProgressBar) -> anyhow::Result<LaunchConfig> {
+fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result<LaunchConfig> {
     let mut constructor: Vec<OsString> = vec!["constructor".into(), arguments.scene.clone().into()];
+    constructor.extend(["--log".into(), log.into()]);
     constructor.extend(["--listen".into(), "127.0.0.1:0".into()]);
     let threads = process::threads(arguments.construct_threads)?;
     constructor.extend(["--threads".into(), threads.to_string().into()]);
@@ -265,6 +266,7 @@ fn launch_config(arguments: &Run, bar: ProgressBar) -> anyhow::Result<LaunchConf
         threads => process::threads(threads)?,
     };
     let mut shader: Vec<OsString> = vec!["shader".into()];
+    shader.extend(["--log".into(), log.into()]);
     shader.extend(["--threads".into(), threads.to_string().into()]);
     if let Some(cache) = &arguments.cache {
         shader.extend(["--cache".into(), cache.into()]);

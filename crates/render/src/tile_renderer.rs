@@ -12,7 +12,7 @@ use lie_geom::{
 use lie_scene::{Camera, RenderSettings, Surface};
 
 use crate::{
-    Brdf, LieCell, LieLookup, RadianceTile, RenderStats, Tile, World, light_rays::light_squares,
+    Brdf, LieCell, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
     shadow_queue::ShadowQueue,
 };
 
@@ -250,56 +250,28 @@ impl<'a> TileRenderer<'a> {
     fn unoccluded(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) {
         for point in points {
             for &index in point.cell.map_or(&[][..], |cell| &cell.unoccluded) {
-                let Some(light) = self.world.scene().lights.get(index as usize) else {
-                    continue;
-                };
-                let mut sum = Vec3::ZERO;
-                let mut count = 0;
-                for square in light_squares(point.key, index, light, self.light_strata) {
-                    count += 1;
-                    if let Some(ray) =
-                        self.world
-                            .light_ray(index, light, &point.surface, &point.brdf, square)
-                    {
-                        sum += ray.radiance;
-                    }
-                }
-                sums[point.pixel] += sum / count as f32;
+                self.light_rays(index, point, |ray| sums[point.pixel] += ray.radiance);
             }
         }
     }
 
     /// Partially occluded lights: rays against the occluders alone.
     fn partial(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
-        let scene = self.world.scene();
+        let cutout = self.world.scene();
         for point in points {
             if self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
             for entry in point.cell.map_or(&[][..], |cell| &cell.partial) {
-                let Some(light) = scene.lights.get(entry.light as usize) else {
-                    continue;
-                };
-                let mut sum = Vec3::ZERO;
-                let mut count = 0;
-                for square in light_squares(point.key, entry.light, light, self.light_strata) {
-                    count += 1;
-                    let Some(ray) = self.world.light_ray(
-                        entry.light,
-                        light,
-                        &point.surface,
-                        &point.brdf,
-                        square,
-                    ) else {
-                        continue;
-                    };
-                    self.stats.list_rays += 1;
-                    self.stats.occluder_tests += entry.occluders.len() as u64;
-                    if !entry.occluders.is_blocked(&ray.ray, Some(scene)) {
-                        sum += ray.radiance;
+                let mut rays = 0;
+                self.light_rays(entry.light, point, |ray| {
+                    rays += 1;
+                    if !entry.occluders.is_blocked(&ray.ray, Some(cutout)) {
+                        sums[point.pixel] += ray.radiance;
                     }
-                }
-                sums[point.pixel] += sum / count as f32;
+                });
+                self.stats.list_rays += rays;
+                self.stats.occluder_tests += rays * entry.occluders.len() as u64;
             }
         }
         Some(())
@@ -309,29 +281,32 @@ impl<'a> TileRenderer<'a> {
     /// neighbouring points' rays to one light share a packet.
     fn full(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
         let mut queue = ShadowQueue::new(self.world.accel());
-        for (index, light) in (0u32..).zip(&self.world.scene().lights) {
+        for index in 0..self.world.scene().lights.len() as u32 {
             if self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
-            let count = if light.is_delta() {
-                1
-            } else {
-                self.settings.light_samples
-            };
             for point in points.iter().filter(|point| point.cell.is_none()) {
-                for square in light_squares(point.key, index, light, self.light_strata) {
-                    let ray =
-                        self.world
-                            .light_ray(index, light, &point.surface, &point.brdf, square);
-                    if let Some(ray) = ray {
-                        queue.push(&ray, 1.0 / count as f32, point.pixel, sums);
-                    }
-                }
+                self.light_rays(index, point, |ray| queue.push(&ray, point.pixel, sums));
             }
         }
         queue.flush(sums);
         self.stats.shadow_rays += queue.traced;
         Some(())
+    }
+
+    /// The shadow rays from a point to a light. A light that the scene does not have gets none.
+    #[inline]
+    fn light_rays(&self, index: u32, point: &ShadingPoint<'_>, found: impl FnMut(LightRay)) {
+        if let Some(light) = self.world.scene().lights.get(index as usize) {
+            let random = (point.key, self.light_strata);
+            self.world.for_each_light_ray(
+                (index, light),
+                &point.surface,
+                &point.brdf,
+                random,
+                found,
+            );
+        }
     }
 }
 

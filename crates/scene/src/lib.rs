@@ -8,21 +8,27 @@
 
 mod camera;
 mod draft;
+mod export;
+mod generate;
 mod geometry;
 mod light;
 mod load;
 mod material;
 mod model;
+mod summary;
 mod surface;
 mod texture;
 mod walkthrough;
 
 pub use camera::Camera;
+pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
+pub use generate::{Gallery, cornell_box, gallery};
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
-pub use light::{AreaLight, AreaShape, Light, LightKind, LightSample};
+pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use model::{Background, RenderSettings, Scene, SceneError};
+pub use summary::{LightSummary, MaterialCounts, Summary};
 pub use surface::Surface;
 pub use texture::{Texture, TextureError};
 pub use walkthrough::{KeyFrame, Walkthrough};

@@ -1,5 +1,7 @@
 //! Malformed and unusual files: each ends in a valid scene or in an error that names it.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
 use std::{
     path::{Path, PathBuf},
     time::{Duration, Instant},

@@ -78,11 +78,7 @@ pub(super) fn freeze(builder: &mut Builder, freeze: &Freeze) -> Progress {
     };
     let views = std::slice::from_ref(&freeze.view);
     let report = match freeze.samples {
-        Some(samples) => {
-            let batches = samples.div_ceil(Builder::BATCH as u64);
-            let further = (1..batches).map(|_| ());
-            further.fold(builder.batch(views), |_, ()| builder.batch(views))
-        }
+        Some(samples) => builder.sample(views, samples),
         None => {
             let pixels = u64::from(freeze.view.size.x) * u64::from(freeze.view.size.y);
             builder.converge(views, MAX_PASSES * pixels, |_| {})

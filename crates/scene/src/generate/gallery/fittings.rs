@@ -1,0 +1,410 @@
+//! Lamps, pictures, columns, benches: what stands in more than one room.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{Quat, Vec2, Vec3};
+use lie_geom::RandomKey;
+
+use super::{
+    Site,
+    palette::{add_texture, painting},
+};
+use crate::{
+    Light, LightKind, Material, TextureRef,
+    generate::{
+        mesh::Mesh,
+        shapes::{lathe, parametric, rod, sphere, torus},
+    },
+};
+
+/// Distance from a spot's light to its housing, so that the two never touch.
+const CLEARANCE: f32 = 0.02;
+
+/// Where a picture hangs.
+pub(super) struct Hanging {
+    /// Middle of the canvas, on the wall.
+    pub(super) center: Vec3,
+    /// Unit vector out of the wall.
+    pub(super) normal: Vec3,
+    /// Width and height of the canvas.
+    pub(super) size: Vec2,
+}
+
+impl Site {
+    /// A lamp on a cable, its shade open above and below, with the light in the middle.
+    pub(super) fn add_pendant(
+        &mut self,
+        name: &str,
+        position: Vec3,
+        ceiling: f32,
+        intensity: Vec3,
+    ) {
+        let shade = lathe(
+            &[
+                Vec2::new(0.29, -0.07),
+                Vec2::new(0.295, -0.07),
+                Vec2::new(0.22, 0.06),
+                Vec2::new(0.13, 0.15),
+                Vec2::new(0.125, 0.15),
+                Vec2::new(0.213, 0.06),
+                Vec2::new(0.29, -0.07),
+            ],
+            self.fine(40),
+        );
+        self.put(
+            format!("{name} shade"),
+            self.palette.brass,
+            &shade,
+            position,
+        );
+        let mut iron = Mesh::default();
+        let cable = rod(
+            Vec3::new(0.0, 0.16, 0.0),
+            (ceiling - position.y) * Vec3::Y,
+            0.008,
+            8,
+        );
+        iron.add(&cable, Quat::IDENTITY, position);
+        let canopy = rod(Vec3::ZERO, 0.03 * Vec3::Y, 0.06, self.fine(20));
+        iron.add(
+            &canopy,
+            Quat::IDENTITY,
+            Vec3::new(position.x, ceiling - 0.03, position.z),
+        );
+        for spoke in 0..3 {
+            let (sin, cos) = (spoke as f32 / 3.0 * TAU).sin_cos();
+            let arm = rod(
+                0.15 * Vec3::Y,
+                Vec3::new(0.127 * cos, 0.15, 0.127 * sin),
+                0.004,
+                6,
+            );
+            iron.add(&arm, Quat::IDENTITY, position);
+        }
+        self.part(format!("{name} cable"), self.palette.black, iron);
+        self.point(name, position, intensity);
+    }
+
+    /// A lamp within a drum of slats: it throws rays of light and shadow all round.
+    pub(super) fn add_lantern(
+        &mut self,
+        name: &str,
+        position: Vec3,
+        ceiling: f32,
+        intensity: Vec3,
+    ) {
+        const SLATS: u32 = 14;
+        let mut brass = Mesh::default();
+        for slat in 0..SLATS {
+            let (sin, cos) = (slat as f32 / SLATS as f32 * TAU).sin_cos();
+            let (out, side) = (Vec3::new(cos, 0.0, sin), Vec3::new(-sin, 0.0, cos));
+            let corner = position + 0.22 * out - 0.012 * side - 0.2 * Vec3::Y;
+            brass.block(corner, 0.024 * side, 0.4 * Vec3::Y, 0.006 * out);
+        }
+        for height in [-0.2, 0.2] {
+            let ring = torus(0.223, 0.014, [self.fine(40), self.fine(10)]);
+            brass.add(&ring, Quat::IDENTITY, position + height * Vec3::Y);
+        }
+        for spoke in 0..3 {
+            let (sin, cos) = (spoke as f32 / 3.0 * TAU).sin_cos();
+            let arm = rod(
+                0.42 * Vec3::Y,
+                Vec3::new(0.22 * cos, 0.2, 0.22 * sin),
+                0.006,
+                6,
+            );
+            brass.add(&arm, Quat::IDENTITY, position);
+        }
+        self.part(format!("{name} drum"), self.palette.brass, brass);
+        let mut iron = Mesh::default();
+        let cable = rod(0.42 * Vec3::Y, (ceiling - position.y) * Vec3::Y, 0.008, 8);
+        iron.add(&cable, Quat::IDENTITY, position);
+        self.part(format!("{name} cable"), self.palette.black, iron);
+        self.point(name, position, intensity);
+    }
+
+    /// A spot in a small cylinder that hangs from a stem, or stands on one if `stem` is below.
+    pub(super) fn add_spot(
+        &mut self,
+        name: &str,
+        position: Vec3,
+        target: Vec3,
+        radiant_intensity: Vec3,
+        degrees: [f32; 2],
+        stem: Vec3,
+    ) {
+        let direction = (target - position).normalize_or(Vec3::NEG_Y);
+        let mouth = position - CLEARANCE * direction;
+        let mut iron = rod(mouth, mouth - 0.13 * direction, 0.038, self.fine(16));
+        iron.add(
+            &rod(mouth - 0.08 * direction, stem, 0.009, 8),
+            Quat::IDENTITY,
+            Vec3::ZERO,
+        );
+        self.part(format!("{name} housing"), self.palette.black, iron);
+        self.draft.lights.push(Light {
+            name: name.into(),
+            kind: LightKind::Spot {
+                position,
+                direction,
+                radiant_intensity,
+                cos_inner: degrees[0].to_radians().cos(),
+                cos_outer: degrees[1].to_radians().cos(),
+            },
+        });
+    }
+
+    /// A lamp before a wall, behind a half cylinder that is open above and below.
+    pub(super) fn add_sconce(&mut self, name: &str, on_wall: Vec3, normal: Vec3, intensity: Vec3) {
+        let side = Vec3::Y.cross(normal);
+        let mut shell = Mesh::default();
+        for (radius, flip) in [(0.16, 1.0), (0.154, -1.0)] {
+            let bowl = parametric([self.fine(20), 1], |u, v| {
+                let (sin, cos) = (PI * u).sin_cos();
+                on_wall + radius * (flip * cos * side + sin * normal) + (0.34 * v - 0.17) * Vec3::Y
+            });
+            shell.add(&bowl, Quat::IDENTITY, Vec3::ZERO);
+        }
+        self.part(format!("{name} shade"), self.palette.brass, shell);
+        self.point(name, on_wall + 0.08 * normal, intensity);
+    }
+
+    /// A painting with a bevelled gilt frame, and a spot for it on the ceiling.
+    pub(super) fn add_picture(
+        &mut self,
+        number: u32,
+        hanging: &Hanging,
+        ceiling: f32,
+        intensity: f32,
+    ) {
+        let Hanging {
+            center,
+            normal,
+            size,
+        } = *hanging;
+        let side = Vec3::Y.cross(normal);
+        let height_px = (128.0 * size.y / size.x).round().clamp(32.0, 256.0) as u32;
+        let canvas = painting(
+            RandomKey::new(self.seed).mix(1000 + u64::from(number)),
+            128,
+            height_px,
+        );
+        let texture = add_texture(&mut self.draft, canvas);
+        let material = self.draft.add_material(Material {
+            base_color_texture: Some(TextureRef::plain(texture)),
+            ..Material::diffuse(format!("painting {number}"), Vec3::ONE)
+        });
+        let (right, up) = (size.x * side, size.y * Vec3::Y);
+        let mut mesh = Mesh::default();
+        let upper_left = center + 0.03 * normal - 0.5 * right + 0.5 * up;
+        // The image's first row is on top.
+        let lower_left = upper_left - up;
+        mesh.textured_quad(lower_left, right, up, Vec2::ONE);
+        for vertex in &mut mesh.vertices {
+            vertex.uv.y = 1.0 - vertex.uv.y;
+        }
+        self.part(format!("painting {number}"), material, mesh);
+        let frame = frame(center, [side, Vec3::Y, normal], 0.5 * size);
+        self.part(format!("frame {number}"), self.palette.gold, frame);
+
+        let lamp = Vec3::new(center.x, ceiling - 0.28, center.z) + 1.35 * normal;
+        let half_angle = (0.62 * size.length() / (lamp - center).length())
+            .atan()
+            .to_degrees();
+        self.add_spot(
+            &format!("picture spot {number}"),
+            lamp,
+            center + 0.03 * normal,
+            intensity * super::NEUTRAL,
+            [0.72 * half_angle, half_angle + 5.0],
+            lamp + 0.28 * Vec3::Y - 0.02 * normal,
+        );
+    }
+
+    /// A bench with a padded seat, `length` along `along`.
+    pub(super) fn add_bench(&mut self, name: &str, center: Vec3, along: Vec3, length: f32) {
+        let across = along.cross(Vec3::Y);
+        let block = |mesh: &mut Mesh, at: [f32; 2], size: [f32; 2], up: [f32; 2]| {
+            let corner =
+                center + (at[0] - 0.5 * size[0]) * along + (at[1] - 0.5 * size[1]) * across;
+            mesh.block(
+                corner + up[0] * Vec3::Y,
+                size[0] * along,
+                (up[1] - up[0]) * Vec3::Y,
+                size[1] * across,
+            );
+        };
+        let mut seat = Mesh::default();
+        let cushions = (length / 0.6).round().max(1.0);
+        for index in 0..cushions as u32 {
+            let at = (index as f32 + 0.5) / cushions * length - 0.5 * length;
+            block(
+                &mut seat,
+                [at, 0.0],
+                [length / cushions - 0.015, 0.46],
+                [0.40, 0.47],
+            );
+        }
+        self.part(format!("{name} seat"), self.palette.leather, seat);
+        let mut frame = Mesh::default();
+        block(&mut frame, [0.0, 0.0], [length, 0.48], [0.35, 0.40]);
+        for (x, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+            block(
+                &mut frame,
+                [x * (0.5 * length - 0.08), z * 0.19],
+                [0.05, 0.05],
+                [0.0, 0.35],
+            );
+        }
+        self.part(format!("{name} frame"), self.palette.wood, frame);
+    }
+
+    /// A fluted column with base and capital, from the floor to `height`.
+    pub(super) fn add_column(&mut self, name: &str, foot: Vec3, height: f32) {
+        let (radius, flutes) = (0.27, 20.0);
+        let mut mesh = Mesh::default();
+        let turned = |radius: f32, up: f32| Vec2::new(radius, up);
+        let base = [
+            turned(0.36, 0.12),
+            turned(0.375, 0.15),
+            turned(0.38, 0.18),
+            turned(0.37, 0.21),
+            turned(0.33, 0.23),
+            turned(0.32, 0.26),
+            turned(0.335, 0.29),
+            turned(0.33, 0.32),
+            turned(0.285, 0.34),
+            turned(0.0, 0.34),
+        ];
+        let segments = self.fine(40);
+        mesh.add(&lathe(&base, segments), Quat::IDENTITY, foot);
+        let top = height - 0.34;
+        let capital = [
+            turned(0.0, top),
+            turned(0.26, top),
+            turned(0.28, top + 0.02),
+            turned(0.26, top + 0.05),
+            turned(0.27, top + 0.08),
+            turned(0.33, top + 0.14),
+            turned(0.37, top + 0.20),
+            turned(0.0, top + 0.20),
+        ];
+        mesh.add(&lathe(&capital, segments), Quat::IDENTITY, foot);
+        let shaft = parametric([self.fine(120), self.fine(10)], |u, v| {
+            let angle = u * TAU;
+            // Thinner towards the top, with a slight swelling on the way.
+            let swell = radius * (1.0 - 0.14 * v * v);
+            let flute = 1.0 - 0.055 * (0.5 * angle * flutes).sin().abs();
+            let (sin, cos) = angle.sin_cos();
+            Vec3::new(
+                swell * flute * cos,
+                0.34 + v * (top - 0.34),
+                -swell * flute * sin,
+            )
+        });
+        mesh.add(&shaft, Quat::IDENTITY, foot);
+        mesh.cuboid(
+            foot + Vec3::new(-0.4, 0.0, -0.4),
+            foot + Vec3::new(0.4, 0.12, 0.4),
+        );
+        let abacus = height - 0.14;
+        mesh.cuboid(
+            foot + Vec3::new(-0.4, abacus, -0.4),
+            foot + Vec3::new(0.4, height, 0.4),
+        );
+        self.part(name, self.palette.limestone, mesh);
+    }
+
+    /// A vase; `shape` picks one of a few outlines.
+    pub(super) fn add_vase(&mut self, name: &str, foot: Vec3, shape: u32, material: u32) {
+        let outlines: [&[[f32; 2]]; 3] = [
+            &[
+                [0.0, 0.0],
+                [0.08, 0.0],
+                [0.09, 0.02],
+                [0.15, 0.12],
+                [0.18, 0.24],
+                [0.16, 0.36],
+                [0.09, 0.46],
+                [0.06, 0.52],
+                [0.065, 0.58],
+                [0.09, 0.62],
+                [0.08, 0.62],
+                [0.05, 0.57],
+                [0.045, 0.5],
+            ],
+            &[
+                [0.0, 0.0],
+                [0.10, 0.0],
+                [0.10, 0.03],
+                [0.06, 0.07],
+                [0.10, 0.14],
+                [0.19, 0.24],
+                [0.21, 0.32],
+                [0.19, 0.38],
+                [0.18, 0.38],
+                [0.19, 0.32],
+                [0.1, 0.2],
+            ],
+            &[
+                [0.0, 0.0],
+                [0.09, 0.0],
+                [0.13, 0.06],
+                [0.15, 0.2],
+                [0.12, 0.33],
+                [0.06, 0.40],
+                [0.045, 0.55],
+                [0.05, 0.66],
+                [0.07, 0.70],
+                [0.06, 0.70],
+                [0.035, 0.64],
+            ],
+        ];
+        let profile: Vec<Vec2> = outlines[shape as usize % 3]
+            .iter()
+            .map(|&p| Vec2::from(p))
+            .collect();
+        let vase = lathe(&profile, self.fine(36));
+        self.put(name, material, &vase, foot);
+    }
+
+    /// A glowing ball on a foot: one light of many triangles.
+    pub(super) fn add_globe(&mut self, name: &str, center: Vec3, radius: f32, radiance: Vec3) {
+        let material = self.draft.add_material(Material {
+            emission: radiance,
+            ..Material::diffuse(name, Vec3::splat(0.8))
+        });
+        let ball = sphere(radius, self.fine(24));
+        self.put(name, material, &ball, center);
+    }
+}
+
+/// Four mitred bars with a bevel. `axes` are right, up and out of the wall.
+fn frame(center: Vec3, axes: [Vec3; 3], half: Vec2) -> Mesh {
+    // Distance outwards from the canvas's edge, and height over the wall.
+    const PROFILE: [[f32; 2]; 6] = [
+        [-0.005, 0.03],
+        [0.0, 0.05],
+        [0.035, 0.045],
+        [0.06, 0.075],
+        [0.085, 0.07],
+        [0.09, 0.0],
+    ];
+    let [right, up, out] = axes;
+    let corner = |index: usize, point: [f32; 2]| {
+        let (x, y) = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)][index % 4];
+        center + x * (half.x + point[0]) * right + y * (half.y + point[0]) * up + point[1] * out
+    };
+    let mut mesh = Mesh::default();
+    for bar in 0..4 {
+        for pair in PROFILE.windows(2) {
+            mesh.quadrangle([
+                corner(bar, pair[1]),
+                corner(bar + 1, pair[1]),
+                corner(bar + 1, pair[0]),
+                corner(bar, pair[0]),
+            ]);
+        }
+    }
+    mesh
+}
