@@ -13,7 +13,7 @@ use tokio_util::sync::CancellationToken;
 use crate::{args::say, failure::Usage, failure::usage};
 
 /// How long an orderly end may take before the process ends anyhow.
-const PATIENCE: Duration = Duration::from_secs(1);
+const PATIENCE: Duration = Duration::from_millis(700);
 
 /// Whom a process talks to.
 #[derive(Args, Clone, Copy, Debug)]

@@ -22,7 +22,7 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 
 /// How long a child may take to end by itself.
-const GRACE: Duration = Duration::from_millis(1200);
+const GRACE: Duration = Duration::from_millis(900);
 
 /// What a child prints before the address at which it listens.
 pub const ANNOUNCEMENT: &str = "listening ";
@@ -78,8 +78,15 @@ pub enum LaunchError {
 /// The running children. Ended and reaped by [`Self::shutdown`]; killed if just dropped.
 pub struct Farm {
     address: String,
+    constructor: Children,
+    shaders: Children,
+}
+
+/// Children that end together.
+#[derive(Default)]
+struct Children {
     stop: CancellationToken,
-    children: JoinSet<()>,
+    watches: JoinSet<()>,
 }
 
 impl Farm {
@@ -91,8 +98,8 @@ impl Farm {
     pub async fn start(config: LaunchConfig) -> Result<Self, LaunchError> {
         let mut farm = Self {
             address: String::new(),
-            stop: CancellationToken::new(),
-            children: JoinSet::new(),
+            constructor: Children::default(),
+            shaders: Children::default(),
         };
         match farm.start_all(&config).await {
             Ok(()) => Ok(farm),
@@ -109,27 +116,37 @@ impl Farm {
         &self.address
     }
 
-    /// Ends all children and waits for them: at most about a second.
-    pub async fn shutdown(mut self) {
-        self.stop.cancel();
-        while self.children.join_next().await.is_some() {}
+    /// Ends all children and waits for them. The shaders go first, so that none misses the
+    /// constructor.
+    pub async fn shutdown(self) {
+        self.shaders.end().await;
+        self.constructor.end().await;
     }
 
     async fn start_all(&mut self, config: &LaunchConfig) -> Result<(), LaunchError> {
         self.address = self
-            .start_child("constructor", config, &config.constructor)
+            .constructor
+            .start("constructor", config, &config.constructor)
             .await?;
         let mut arguments = config.shader.clone();
         arguments.extend(["--constructor".into(), self.address.clone().into()]);
         for number in 1..=config.shaders {
             let who = format!("shader {number}");
-            self.start_child(&who, config, &arguments).await?;
+            self.shaders.start(&who, config, &arguments).await?;
         }
         Ok(())
     }
+}
+
+impl Children {
+    /// Asks all to end, and waits until they have.
+    async fn end(mut self) {
+        self.stop.cancel();
+        while self.watches.join_next().await.is_some() {}
+    }
 
     /// Starts a child and waits for its announcement; then it is watched.
-    async fn start_child(
+    async fn start(
         &mut self,
         who: &str,
         config: &LaunchConfig,
@@ -158,7 +175,7 @@ impl Farm {
             });
         };
         let address = line.strip_prefix(ANNOUNCEMENT).map(str::to_owned);
-        self.children
+        self.watches
             .spawn(watch(who.to_owned(), child, self.stop.clone()));
         address.ok_or_else(|| LaunchError::Announcement {
             who: who.to_owned(),

@@ -136,3 +136,95 @@ impl Drop for Subscription<'_> {
         self.feed.lock().debts.remove(&self.id);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use lie_geom::{Aabb, Ray};
+    use lie_octree::{LieSettings, LieState, Replica, ShadowRay, Visibility, observe};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{constructor::delta::Parts, convert};
+
+    /// Something is in the way of every other place.
+    struct Stripes;
+
+    impl Visibility for Stripes {
+        fn blocker(&self, ray: &Ray) -> Option<u32> {
+            let stripe = (20.0 * (ray.origin.x + ray.origin.y)) as i32;
+            (stripe % 2 == 0).then_some(stripe.unsigned_abs())
+        }
+
+        fn blocks(&self, triangle: u32, ray: &Ray) -> bool {
+            self.blocker(ray) == Some(triangle)
+        }
+    }
+
+    fn learn(tree: &mut LieTree, point: Vec3) {
+        let ray = |light| ShadowRay {
+            light,
+            ray: Ray::segment(point, 9.0 * Vec3::Z),
+            weight: 1.0,
+        };
+        let observation = observe(tree, point, &[ray(0), ray(3)], &Stripes);
+        tree.record(&observation);
+    }
+
+    /// Applies what is owed as a shader would.
+    fn catch_up(subscription: &Subscription<'_>, replica: &mut Replica<LieState>) {
+        let Some(update) = subscription.take() else {
+            return;
+        };
+        if update.from_version != 0 {
+            assert_eq!(update.from_version, replica.version());
+        }
+        let to_version = update.to_version;
+        let mut parts = Parts::of(update);
+        while let Some(part) = parts.next() {
+            for cell in part.cells {
+                replica.apply(&convert::cell(cell).unwrap(), LieState::clone);
+            }
+        }
+        replica.reached(to_version);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        /// However rarely a shader listens, it ends with the constructor's tree.
+        #[test]
+        fn a_slow_shader_has_the_newest_tree_when_it_has_caught_up(
+            batches in proptest::collection::vec(
+                (proptest::collection::vec([0.0f32..1.0, 0.0..1.0, 0.0..1.0], 1..40), any::<bool>()),
+                1..20,
+            ),
+        ) {
+            let bounds = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+            let settings = LieSettings { max_depth: 5, split_threshold: 3, trust: 2 };
+            let mut tree = LieTree::new(bounds, settings);
+            let feed = LieFeed::new(tree.clone());
+            let subscription = feed.subscribe(1);
+            let mut replica = Replica::new(tree.cube(), settings.empty_state());
+            for (points, listens) in batches {
+                for point in points {
+                    learn(&mut tree, Vec3::from(point));
+                }
+                let changed = tree.commit();
+                feed.publish(tree.clone(), &changed);
+                if listens {
+                    catch_up(&subscription, &mut replica);
+                }
+            }
+            catch_up(&subscription, &mut replica);
+            prop_assert!(subscription.take().is_none());
+            prop_assert_eq!(replica.version(), tree.version());
+            let mut same = true;
+            replica.for_each_leaf(|key, lie| {
+                let theirs = tree.state(key).map(|state| state.body);
+                same &= theirs == Some(lie_octree::CellBody::Leaf(lie.clone()));
+            });
+            prop_assert!(same);
+        }
+    }
+}

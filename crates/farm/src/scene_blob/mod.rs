@@ -89,4 +89,4 @@ pub enum BlobError {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -110,3 +110,6 @@ async fn session(shared: Arc<Shared>, stream: TcpStream) -> Result<(), LinkError
     let (receiver, sender) = connection::split(stream);
     client_session::run(&shared, receiver, sender).await
 }
+
+#[cfg(test)]
+mod tests;
