@@ -30,7 +30,7 @@ pub struct RosterEntry {
     pub address: Text,
     /// Its render threads.
     pub threads: u32,
-    /// Whether it has the scene and takes clients.
+    /// Whether it has the scene and its first LIEs, and takes clients.
     pub ready: bool,
 }
 

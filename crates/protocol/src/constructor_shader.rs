@@ -44,7 +44,14 @@ pub struct SceneReady {
     pub scene: SceneHash,
 }
 
-/// The shader has the scene, wants LIEs, and takes clients.
+/// The shader has the scene and wants LIEs: a snapshot, then updates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Subscribe {
+    /// Which scene.
+    pub scene: SceneHash,
+}
+
+/// The shader has taken in its first snapshot and takes clients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShaderReady {
     /// Which scene.
@@ -84,16 +91,19 @@ messages! {
         Goodbye(Goodbye) = 5, at most limit::CONTROL;
         /// See [`SceneRequest`].
         SceneRequest(SceneRequest) = 24, at most limit::CONTROL;
-        /// See [`ShaderReady`].
-        Ready(ShaderReady) = 25, at most limit::CONTROL;
+        /// See [`Subscribe`].
+        Subscribe(Subscribe) = 25, at most limit::CONTROL;
         /// See [`ResyncRequest`].
         Resync(ResyncRequest) = 26, at most limit::CONTROL;
+        /// See [`ShaderReady`].
+        Ready(ShaderReady) = 27, at most limit::CONTROL;
     }
 }
 
 impl Control for ShaderWelcome {}
 impl Control for SceneRequest {}
 impl Control for SceneReady {}
+impl Control for Subscribe {}
 impl Control for ShaderReady {}
 
 impl Body for SceneChunk {

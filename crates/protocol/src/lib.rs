@@ -50,7 +50,7 @@ pub use constructor_client::{
 };
 pub use constructor_shader::{
     ConstructorToShader, SceneChunk, SceneReady, SceneRequest, ShaderReady, ShaderToConstructor,
-    ShaderWelcome,
+    ShaderWelcome, Subscribe,
 };
 pub use decoder::{Decoder, encode};
 pub use error::ProtocolError;

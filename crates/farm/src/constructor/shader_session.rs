@@ -16,12 +16,13 @@ use crate::{
 /// What the listening half asks of the talking half.
 enum Command {
     Scene(SceneRequest),
+    Subscribe,
     Ready,
     Resync,
     Pong(Pong),
 }
 
-/// Commands that may wait; a shader in its senses has two.
+/// Commands that may wait; a shader in its senses has three.
 const COMMANDS: usize = 16;
 
 /// Serves a shader until it leaves.
@@ -58,6 +59,7 @@ async fn listen<R: AsyncRead + Unpin>(
     loop {
         let command = match receiver.receive().await? {
             In::SceneRequest(request) => Command::Scene(request),
+            In::Subscribe(_) => Command::Subscribe,
             In::Ready(_) => Command::Ready,
             In::Resync(_) => Command::Resync,
             In::Ping(Ping { nonce }) => {
@@ -93,11 +95,11 @@ async fn talk<W: AsyncWrite + Unpin>(
         tokio::select! {
             order = orders.recv() => match order {
                 Some(Command::Scene(request)) => send_scene(shared, request, &mut sender).await?,
-                Some(Command::Ready) if subscription.is_none() => {
+                Some(Command::Subscribe) if subscription.is_none() => {
                     subscription = Some(shared.feed.subscribe(member.id()));
-                    member.ready();
                 }
-                Some(Command::Ready) => {}
+                Some(Command::Subscribe) => {}
+                Some(Command::Ready) => member.ready(),
                 Some(Command::Resync) => {
                     if let Some(subscription) = &subscription {
                         tracing::info!("shader {} asks for a snapshot", member.id());

@@ -68,7 +68,7 @@ async fn welcome(listener: &TcpListener, blob: &SceneBlob) -> (Ends, bool) {
                     .await
                     .unwrap();
             }
-            In::Ready(_) => return ((receiver, sender), asked),
+            In::Subscribe(_) => return ((receiver, sender), asked),
             _ => {}
         }
     }

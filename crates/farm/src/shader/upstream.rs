@@ -3,7 +3,7 @@ use std::{sync::Arc, time::Duration};
 use lie_octree::LieSettings;
 use lie_protocol::{
     ConstructorToShader as In, Ping, Pong, ResyncRequest, Role, ShaderReady,
-    ShaderToConstructor as Out, ShaderWelcome,
+    ShaderToConstructor as Out, ShaderWelcome, Subscribe,
 };
 use tokio::{io::AsyncRead, sync::mpsc, task::spawn_blocking, time::sleep};
 
@@ -112,7 +112,8 @@ async fn follow<R: AsyncRead + Unpin>(
         }
     };
     let scene = welcome.scene;
-    post(outbox, Out::Ready(ShaderReady { scene }))?;
+    post(outbox, Out::Subscribe(Subscribe { scene }))?;
+    let mut ready = false;
     let mut assembly = Assembly::default();
     let mut replica = Some(LieReplica::new(stage.world.clone(), settings));
     loop {
@@ -122,7 +123,11 @@ async fn follow<R: AsyncRead + Unpin>(
                 let update = update.map_err(|error| LinkError::Rules(error.to_string()))?;
                 if let Some(update) = update {
                     let current = replica.take();
+                    let is_snapshot = update.from_version == 0;
                     replica = Some(take_in(current, update, &stage, settings, outbox).await?);
+                    if is_snapshot && !std::mem::replace(&mut ready, true) {
+                        post(outbox, Out::Ready(ShaderReady { scene }))?;
+                    }
                 }
             }
             other => answer(other, outbox)?,

@@ -148,6 +148,7 @@ pub(crate) fn shader_to_constructor() -> impl Strategy<Value = ShaderToConstruct
         goodbye().prop_map(M::Goodbye),
         (hash(), any::<u64>())
             .prop_map(|(scene, offset)| M::SceneRequest(SceneRequest { scene, offset })),
+        hash().prop_map(|scene| M::Subscribe(Subscribe { scene })),
         hash().prop_map(|scene| M::Ready(ShaderReady { scene })),
         any::<u64>().prop_map(|have_version| M::Resync(ResyncRequest { have_version })),
     ]
