@@ -13,7 +13,7 @@ use lie_scene::{Camera, RenderSettings, Surface};
 
 use crate::{
     Brdf, LieCell, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
-    shadow_queue::ShadowQueue,
+    light_rays::LightPoints, shadow_queue::ShadowQueue,
 };
 
 /// All that a frame's pixels depend on, beside scene, camera and LIEs.
@@ -239,7 +239,10 @@ impl<'a> TileRenderer<'a> {
     fn unoccluded(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) {
         for point in points {
             for &index in point.cell.map_or(&[][..], |cell| &cell.unoccluded) {
-                self.light_rays(index, point, |ray| sums[point.pixel] += ray.radiance);
+                self.world
+                    .for_each_light_ray(index, &self.light_points(point), |ray| {
+                        sums[point.pixel] += ray.radiance;
+                    });
             }
         }
     }
@@ -253,12 +256,13 @@ impl<'a> TileRenderer<'a> {
             }
             for entry in point.cell.map_or(&[][..], |cell| &cell.partial) {
                 let mut rays = 0;
-                self.light_rays(entry.light, point, |ray| {
-                    rays += 1;
-                    if !entry.occluders.is_blocked(&ray.ray, Some(cutout)) {
-                        sums[point.pixel] += ray.radiance;
-                    }
-                });
+                self.world
+                    .for_each_light_ray(entry.light, &self.light_points(point), |ray| {
+                        rays += 1;
+                        if !entry.occluders.is_blocked(&ray.ray, Some(cutout)) {
+                            sums[point.pixel] += ray.radiance;
+                        }
+                    });
                 self.stats.list_rays += rays;
                 self.stats.occluder_tests += rays * entry.occluders.len() as u64;
             }
@@ -266,8 +270,9 @@ impl<'a> TileRenderer<'a> {
         Some(())
     }
 
-    /// Doubtful lights, and all where there are no LIEs: rays through the whole scene, light
-    /// by light, so that neighbouring points' rays to one light share a packet.
+    /// Doubtful lights, all where there are no LIEs, and what smooth surfaces reflect: rays
+    /// through the whole scene, light by light, so that neighbouring points' rays to one
+    /// light share a packet.
     fn full(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
         let mut queue = ShadowQueue::new(self.world.accel());
         for index in 0..self.world.scene().lights.len() as u32 {
@@ -275,11 +280,18 @@ impl<'a> TileRenderer<'a> {
                 return None;
             }
             for point in points {
+                let light_points = self.light_points(point);
+                let mut trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
                 let asks = point
                     .cell
                     .is_none_or(|cell| cell.doubtful.binary_search(&index).is_ok());
-                if asks {
-                    self.light_rays(index, point, |ray| queue.push(&ray, point.pixel, sums));
+                if asks || light_points.may_reflect() {
+                    self.world.for_each_light_ray(index, &light_points, |ray| {
+                        if asks || ray.reflected {
+                            trace(ray);
+                        }
+                    });
+                    self.world.for_each_lobe_ray(index, &light_points, trace);
                 }
             }
         }
@@ -288,18 +300,12 @@ impl<'a> TileRenderer<'a> {
         Some(())
     }
 
-    /// The shadow rays from a point to a light. A light that the scene does not have gets none.
-    #[inline]
-    fn light_rays(&self, index: u32, point: &ShadingPoint<'_>, found: impl FnMut(LightRay)) {
-        if let Some(light) = self.world.scene().lights.get(index as usize) {
-            let random = (point.key, self.light_strata);
-            self.world.for_each_light_ray(
-                (index, light),
-                &point.surface,
-                &point.brdf,
-                random,
-                found,
-            );
+    fn light_points<'p>(&self, point: &'p ShadingPoint<'_>) -> LightPoints<'p> {
+        LightPoints {
+            surface: &point.surface,
+            brdf: &point.brdf,
+            key: point.key,
+            strata: self.light_strata,
         }
     }
 }
