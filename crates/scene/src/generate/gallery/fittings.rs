@@ -43,10 +43,10 @@ impl Site {
             &[
                 Vec2::new(0.29, -0.07),
                 Vec2::new(0.295, -0.07),
-                Vec2::new(0.22, 0.06),
-                Vec2::new(0.13, 0.15),
-                Vec2::new(0.125, 0.15),
-                Vec2::new(0.213, 0.06),
+                Vec2::new(0.25, 0.02),
+                Vec2::new(0.20, 0.10),
+                Vec2::new(0.195, 0.10),
+                Vec2::new(0.243, 0.02),
                 Vec2::new(0.29, -0.07),
             ],
             self.fine(40),
@@ -74,8 +74,8 @@ impl Site {
         for spoke in 0..3 {
             let (sin, cos) = (spoke as f32 / 3.0 * TAU).sin_cos();
             let arm = rod(
-                0.15 * Vec3::Y,
-                Vec3::new(0.127 * cos, 0.15, 0.127 * sin),
+                0.16 * Vec3::Y,
+                Vec3::new(0.197 * cos, 0.1, 0.197 * sin),
                 0.004,
                 6,
             );
