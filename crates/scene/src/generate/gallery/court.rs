@@ -183,7 +183,7 @@ impl Site {
                 &format!("dais spot {index}"),
                 lamp,
                 target,
-                80.0 * WARM,
+                60.0 * WARM,
                 [26.0, 46.0],
                 stem,
             );
