@@ -17,6 +17,7 @@ mod court;
 mod fittings;
 mod galleries;
 mod hall;
+mod lamps;
 mod palette;
 mod paths;
 mod walls;
