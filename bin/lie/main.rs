@@ -1,2 +1,74 @@
-//! The `lie` executable.
-fn main() {}
+//! The `lie` executable: parses arguments, starts what they ask for, and turns an error
+//! into a message and an exit code. 0 is success, 1 a failed run, 2 bad arguments or input.
+
+mod args;
+mod cmd;
+mod failure;
+
+use std::{io::Write, process::ExitCode};
+
+use clap::{Parser, Subcommand};
+
+/// Renders direct light from many lights at interactive rates, on one machine or a cluster.
+///
+/// Without a command, renders the walkthrough of the default scene on this machine.
+#[derive(Parser)]
+#[command(version, propagate_version = true, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+
+    /// What to log to standard error: error, warn, info, debug, trace, or a filter such as
+    /// `warn,lie_farm=debug`.
+    #[arg(
+        long,
+        global = true,
+        default_value = "warn",
+        env = "LIE_LOG",
+        value_name = "FILTER"
+    )]
+    log: String,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Render(cmd::render::Render),
+    Compare(cmd::compare::Compare),
+    #[command(subcommand)]
+    Scene(cmd::scene::SceneCommand),
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    match execute(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Nothing is left to do if standard error is closed.
+            let _ = writeln!(std::io::stderr(), "error: {error:#}");
+            ExitCode::from(failure::exit_code(&error))
+        }
+    }
+}
+
+fn execute(arguments: Arguments) -> anyhow::Result<()> {
+    start_logging(&arguments.log)?;
+    match arguments.command {
+        Some(Command::Render(render)) => cmd::render::execute(&render),
+        Some(Command::Compare(compare)) => cmd::compare::execute(&compare),
+        Some(Command::Scene(scene)) => cmd::scene::execute(&scene),
+        None => Ok(()),
+    }
+}
+
+/// Logs go to standard error; standard output is for results.
+fn start_logging(filter: &str) -> anyhow::Result<()> {
+    use failure::OrUsage;
+    let filter = tracing_subscriber::EnvFilter::try_new(filter).or_usage()?;
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_target(false)
+        .compact()
+        .init();
+    Ok(())
+}

@@ -1,7 +1,7 @@
 use glam::Vec3;
 use lie_geom::Ray;
 
-use crate::LieTree;
+use crate::{LieTree, Occluder, Standing};
 
 /// What construction needs to know of the world.
 pub trait Visibility: Sync {
@@ -34,8 +34,8 @@ pub struct Observation {
     pub predicted: f32,
     /// Luminance of the pixel as it is.
     pub actual: f32,
-    /// Whether shaders rely on the cell.
-    pub trusted: bool,
+    /// How many of the lights shaders do not ask the scene for.
+    pub trusted: u32,
     /// Rays that had to go through the whole scene.
     pub scene_rays: u32,
 }
@@ -49,10 +49,16 @@ pub struct Outcome {
     pub blocker: Option<u32>,
 }
 
-/// Traces one sample's shadow rays. A light's known occluders are asked before the scene:
-/// a ray that one of them blocks needs no more, and the list grows only where it must.
-/// (The paper adds whatever obstructing triangle its ray finds; the lists here are the
-/// shorter ones that also hold only triangles that blocked a ray.)
+/// Known occluders that are asked before the scene: the first that were found are those
+/// that block most.
+const ASKED_FIRST: usize = 8;
+
+/// Traces one sample's shadow rays.
+///
+/// A list grows only where no known occluder blocks the ray, so it stays short. (The paper
+/// adds whatever obstructing triangle its ray finds; here as there, only triangles that
+/// blocked a ray are in it.) A few known occluders are asked before the scene, the others
+/// only if the scene names a blocker that is new.
 ///
 /// Beside what was seen, the observation tells what the tree would have shown: the
 /// difference is an unbiased estimate of the picture's error.
@@ -64,34 +70,41 @@ pub fn observe(
     world: &dyn Visibility,
 ) -> Observation {
     let lie = tree.lie_at(point);
-    let trusted = lie.samples() >= tree.settings().trust;
+    let trust = tree.settings().trust;
     let mut observation = Observation {
         point,
         outcomes: Vec::with_capacity(rays.len()),
         predicted: 0.0,
         actual: 0.0,
-        trusted,
+        trusted: 0,
         scene_rays: 0,
     };
     for ShadowRay { light, ray, weight } in rays {
-        let known = lie.light(*light);
-        let occluder = known.and_then(|entry| {
-            let blocks = |occluder: &&crate::Occluder| world.blocks(occluder.triangle, ray);
-            entry.occluders.iter().find(blocks)
-        });
-        let blocker = match occluder {
-            Some(occluder) => Some(occluder.triangle),
-            None => {
-                observation.scene_rays += 1;
-                world.blocker(ray)
+        let list = lie.light(*light).map_or(&[][..], |entry| &entry.occluders);
+        let (first, rest) = list.split_at(list.len().min(ASKED_FIRST));
+        let among = |list: &[Occluder]| {
+            list.iter()
+                .map(|occluder| occluder.triangle)
+                .find(|&triangle| world.blocks(triangle, ray))
+        };
+        let mut listed = among(first);
+        let mut blocker = listed;
+        if listed.is_none() {
+            observation.scene_rays += 1;
+            blocker = world.blocker(ray);
+            if let Some(found) = blocker {
+                let is_known = rest.iter().any(|occluder| occluder.triangle == found);
+                listed = if is_known { blocker } else { among(rest) };
+                blocker = listed.or(blocker);
             }
+        }
+        let shown = match lie.standing(*light, trust) {
+            Standing::Lit(_) => listed.is_none(),
+            Standing::Hidden => false,
+            // The shader asks the scene, and is right.
+            Standing::Doubtful => blocker.is_none(),
         };
-        // In a cell that is not trusted the shader asks the scene, and is right.
-        let shown = if trusted {
-            known.is_some() && occluder.is_none()
-        } else {
-            blocker.is_none()
-        };
+        observation.trusted += u32::from(lie.standing(*light, trust) != Standing::Doubtful);
         observation.predicted += if shown { *weight } else { 0.0 };
         observation.actual += if blocker.is_none() { *weight } else { 0.0 };
         observation.outcomes.push(Outcome {

@@ -1,4 +1,4 @@
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lie_scene::{Scene, Surface};
 
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -65,5 +65,61 @@ impl Brdf {
         let masking_o = cos_i * (self.cos_o * self.cos_o * (1.0 - a2) + a2).sqrt();
         let specular = fresnel * (distribution * 0.5 / (masking_i + masking_o));
         (self.diffuse * (Vec3::ONE - fresnel) + specular) * cos_i
+    }
+
+    /// Whether the surface is so smooth that a light is better found by where the surface
+    /// reflects to than by where the light is: perceptual roughness below 0.5.
+    #[must_use]
+    #[inline]
+    pub fn is_smooth(&self) -> bool {
+        const ALPHA: f32 = 0.25;
+        self.alpha < ALPHA && (self.f90 > 0.0 || self.f0 != Vec3::ZERO)
+    }
+
+    /// A direction of the specular lobe, by the distribution of visible normals (Heitz
+    /// 2018, *Sampling the GGX Distribution of Visible Normals*). It may point below the
+    /// surface; [`Self::times_cosine`] is zero there.
+    #[must_use]
+    pub fn sample_specular(&self, square: Vec2) -> Vec3 {
+        let (tangent, bitangent) = self.normal.any_orthonormal_pair();
+        let wo = Vec3::new(tangent.dot(self.wo), bitangent.dot(self.wo), self.cos_o);
+        // The view on a hemisphere of unit roughness.
+        let stretched = Vec3::new(self.alpha * wo.x, self.alpha * wo.y, wo.z).normalize_or(Vec3::Z);
+        let (across, along) = stretched.any_orthonormal_pair();
+        let radius = square.x.sqrt();
+        let disk = radius * Vec2::from_angle(2.0 * PI * square.y);
+        let lean = 0.5 * (1.0 + stretched.z);
+        // The half of the disk that the view does not see is squeezed into the other.
+        let facing = Vec3::Z - stretched * stretched.z;
+        let up = facing.try_normalize().unwrap_or(across);
+        let side = stretched.cross(up).normalize_or(along);
+        let y = (1.0 - lean) * (1.0 - disk.x * disk.x).max(0.0).sqrt() + lean * disk.y;
+        let z = (1.0 - disk.x * disk.x - y * y).max(0.0).sqrt();
+        let visible = disk.x * side + y * up + z * stretched;
+        let half = Vec3::new(
+            self.alpha * visible.x,
+            self.alpha * visible.y,
+            visible.z.max(0.0),
+        );
+        let half = half.normalize_or(Vec3::Z);
+        let half = half.x * tangent + half.y * bitangent + half.z * self.normal;
+        (2.0 * self.wo.dot(half) * half - self.wo).normalize_or(self.normal)
+    }
+
+    /// Density of [`Self::sample_specular`] at a direction, in sr⁻¹.
+    #[must_use]
+    #[inline]
+    pub fn specular_density(&self, wi: Vec3) -> f32 {
+        let half = (wi + self.wo).normalize_or(self.normal);
+        let cos_h = self.normal.dot(half);
+        if cos_h <= 0.0 {
+            return 0.0;
+        }
+        let a2 = self.alpha * self.alpha;
+        let d = cos_h * cos_h * (a2 - 1.0) + 1.0;
+        let distribution = a2 / (PI * d * d);
+        // G₁(wo) · D / (4 cos θₒ), with the cosine cancelled.
+        let root = (self.cos_o * self.cos_o * (1.0 - a2) + a2).sqrt();
+        distribution * 0.5 / (self.cos_o + root)
     }
 }

@@ -25,17 +25,11 @@ impl<'a> ShadowQueue<'a> {
         }
     }
 
-    /// Queues a ray; its light, times `share`, is added to `sums[pixel]` if nothing blocks it.
+    /// Queues a ray; its light is added to `sums[pixel]` if nothing blocks it.
     #[inline]
-    pub(crate) fn push(
-        &mut self,
-        light_ray: &LightRay,
-        share: f32,
-        pixel: usize,
-        sums: &mut [Vec3],
-    ) {
+    pub(crate) fn push(&mut self, light_ray: &LightRay, pixel: usize, sums: &mut [Vec3]) {
         self.rays[self.len] = light_ray.ray;
-        self.adds[self.len] = (pixel, light_ray.radiance * share);
+        self.adds[self.len] = (pixel, light_ray.radiance);
         self.len += 1;
         if self.len == PACKET {
             self.flush(sums);

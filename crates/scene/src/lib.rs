@@ -40,7 +40,7 @@ pub use camera::Camera;
 pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
 pub use generate::{Gallery, cornell_box, gallery};
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
-pub use light::{AreaLight, AreaShape, Light, LightKind, LightSample};
+pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use model::{Background, RenderSettings, Scene, SceneError};

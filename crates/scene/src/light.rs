@@ -1,5 +1,5 @@
 use glam::{Vec2, Vec3};
-use lie_geom::{Triangle, offset_origin, sampling::square_to_triangle};
+use lie_geom::{Ray, Triangle, offset_origin, sampling::square_to_triangle};
 
 /// A source of light.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,9 +149,12 @@ impl AreaLight {
         self.cumulative_area.last().copied().unwrap_or(0.0)
     }
 
-    /// A point on the light with its normal, uniform by area.
-    fn point(&self, square: Vec2) -> Option<(Vec3, Vec3, f32)> {
-        match self.shape {
+    /// A point on the light, uniform by area. `square` in `[0, 1)²` picks it. `None` for a
+    /// light without area.
+    #[must_use]
+    #[inline]
+    pub fn point(&self, square: Vec2) -> Option<LightPoint> {
+        let (position, normal, extent) = match self.shape {
             AreaShape::Rectangle {
                 corner,
                 edge_u,
@@ -159,7 +162,7 @@ impl AreaLight {
             } => {
                 let point = corner + square.x * edge_u + square.y * edge_v;
                 let extent = edge_u.abs().max(edge_v.abs()).max_element();
-                Some((point, self.triangles[0].normal, extent))
+                (point, self.triangles[0].normal, extent)
             }
             AreaShape::Mesh { .. } => {
                 let wanted = square.x * self.area();
@@ -175,9 +178,64 @@ impl AreaLight {
                 let point = triangle.a
                     + weights.x * (triangle.b - triangle.a)
                     + weights.y * (triangle.c - triangle.a);
-                Some((point, triangle.normal, triangle.extent()))
+                (point, triangle.normal, triangle.extent())
+            }
+        };
+        Some(LightPoint {
+            position,
+            normal,
+            extent,
+        })
+    }
+
+    /// Calls `found` with every point of the light along a ray, whatever is in between.
+    #[inline]
+    pub fn points_along(&self, ray: &Ray, mut found: impl FnMut(LightPoint)) {
+        for triangle in &self.triangles {
+            if let Some(hit) = triangle.intersect(ray) {
+                found(LightPoint {
+                    position: ray.at(hit.t),
+                    normal: triangle.normal,
+                    extent: triangle.extent(),
+                });
             }
         }
+    }
+}
+
+/// A point on an area light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightPoint {
+    /// Place.
+    pub position: Vec3,
+    /// Unit normal of the side that shines; with `double_sided` the other one does too.
+    pub normal: Vec3,
+    /// Longest edge of the triangle or rectangle that it lies on, in metres.
+    extent: f32,
+}
+
+impl LightPoint {
+    /// What `point` sees of the light here: where a shadow ray must end, the direction to
+    /// it (unit length), and the density per steradian there, in sr⁻¹, of points that are
+    /// uniform over `light`'s area. `None` if it sees the dark side, or is at that very place.
+    #[must_use]
+    #[inline]
+    pub fn seen_from(&self, point: Vec3, light: &AreaLight) -> Option<(Vec3, Vec3, f32)> {
+        let to_light = self.position - point;
+        let wi = to_light.try_normalize()?;
+        let mut cosine = -wi.dot(self.normal);
+        let mut normal = self.normal;
+        if light.double_sided && cosine < 0.0 {
+            (cosine, normal) = (-cosine, -normal);
+        }
+        let density = to_light.length_squared() / (cosine * light.area());
+        (cosine > 0.0).then(|| {
+            (
+                offset_origin(self.position, normal, self.extent),
+                wi,
+                density,
+            )
+        })
     }
 }
 
@@ -249,19 +307,11 @@ impl Light {
                 normal_irradiance: *irradiance,
             }),
             LightKind::Area(area) => {
-                let (on_light, normal, extent) = area.point(square)?;
-                let to_light = on_light - point;
-                let distance_squared = to_light.length_squared();
-                let wi = to_light.try_normalize()?;
-                let mut cosine = -wi.dot(normal);
-                let mut normal = normal;
-                if area.double_sided && cosine < 0.0 {
-                    (cosine, normal) = (-cosine, -normal);
-                }
-                (cosine > 0.0).then(|| LightSample {
-                    target: offset_origin(on_light, normal, extent),
+                let (target, wi, density) = area.point(square)?.seen_from(point, area)?;
+                Some(LightSample {
+                    target,
                     wi,
-                    normal_irradiance: area.radiance * (cosine * area.area() / distance_squared),
+                    normal_irradiance: area.radiance / density,
                 })
             }
         }
@@ -309,7 +359,7 @@ mod tests {
                 light
                     .point(stratified((n, n), i, Vec2::splat(0.5)))
                     .unwrap()
-                    .0
+                    .position
                     .z
                     < 0.5
             })

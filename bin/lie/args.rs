@@ -1,0 +1,156 @@
+//! Values that several commands take.
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use glam::UVec2;
+use lie_scene::{Camera, RenderSettings, Scene, Walkthrough};
+
+use crate::failure::{OrUsage, Usage, usage};
+
+/// Parses `WxH`.
+pub(crate) fn size(text: &str) -> Result<UVec2, String> {
+    let expected = || {
+        format!(
+            "expected WIDTHxHEIGHT, each 1 to {}, such as 512x512",
+            RenderSettings::MAX_SIDE
+        )
+    };
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let side = |text: &str| {
+        text.parse()
+            .ok()
+            .filter(|side| (1..=RenderSettings::MAX_SIDE).contains(side))
+            .ok_or_else(expected)
+    };
+    Ok(UVec2::new(side(width)?, side(height)?))
+}
+
+/// How visibility of lights is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Integrator {
+    /// A full shadow ray for every light and sample: the reference.
+    Standard,
+    /// Local illumination environments.
+    Lie,
+}
+
+impl Integrator {
+    /// Its name on the command line and in statistics.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Standard => "standard",
+            Self::Lie => "lie",
+        }
+    }
+}
+
+/// Bits per channel of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Precision {
+    /// 16-bit floating point.
+    Half,
+    /// 32-bit floating point.
+    Float,
+}
+
+impl From<Precision> for lie_render::Precision {
+    fn from(precision: Precision) -> Self {
+        match precision {
+            Precision::Half => Self::Half,
+            Precision::Float => Self::Float,
+        }
+    }
+}
+
+/// The curve from radiance to an 8-bit picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ToneCurve {
+    /// As it is, cut at white.
+    Linear,
+    /// A filmic curve.
+    Aces,
+}
+
+impl From<ToneCurve> for lie_render::ToneCurve {
+    fn from(curve: ToneCurve) -> Self {
+        match curve {
+            ToneCurve::Linear => Self::Linear,
+            ToneCurve::Aces => Self::Aces,
+        }
+    }
+}
+
+/// Loads a scene and logs what was left out of it.
+pub(crate) fn load_scene(path: &Path) -> Result<Scene, Usage> {
+    let loaded = lie_scene::load(path).or_usage()?;
+    for warning in &loaded.warnings {
+        tracing::warn!("{}: {warning}", path.display());
+    }
+    Ok(loaded.scene)
+}
+
+/// The camera of that name; the first without one.
+pub(crate) fn find_camera<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a Camera, Usage> {
+    find(&scene.cameras, name, "camera", |camera| &camera.name)
+}
+
+/// The walkthrough of that name; the first without one.
+pub(crate) fn find_walkthrough<'a>(
+    scene: &'a Scene,
+    name: Option<&str>,
+) -> Result<&'a Walkthrough, Usage> {
+    find(&scene.walkthroughs, name, "walkthrough", |walk| &walk.name)
+}
+
+fn find<'a, T>(
+    items: &'a [T],
+    name: Option<&str>,
+    kind: &str,
+    name_of: impl Fn(&T) -> &String,
+) -> Result<&'a T, Usage> {
+    let found = match name {
+        None => items.first(),
+        Some(name) => items.iter().find(|item| name_of(item) == name),
+    };
+    found.ok_or_else(|| {
+        let known: Vec<&str> = items.iter().map(|item| name_of(item).as_str()).collect();
+        match (name, known.is_empty()) {
+            (_, true) => usage(format!("the scene has no {kind}")),
+            (None, false) => usage(format!("no {kind}")),
+            (Some(name), false) => usage(format!(
+                "the scene has no {kind} '{name}'; it has: {}",
+                known.join(", ")
+            )),
+        }
+    })
+}
+
+/// Writes JSON, followed by a line end.
+pub(crate) fn write_json(path: &PathBuf, value: &serde_json::Value) -> anyhow::Result<()> {
+    use anyhow::Context;
+    let text = serde_json::to_string_pretty(value)? + "\n";
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Writes a line to standard output. A closed pipe is no error: the reader had enough.
+pub(crate) fn say(line: impl std::fmt::Display) -> anyhow::Result<()> {
+    use std::io::{ErrorKind, Write};
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        result => Ok(result?),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_two_sides_with_an_x() {
+        assert_eq!(size("640x360"), Ok(UVec2::new(640, 360)));
+        for wrong in ["", "640", "0x3", "3x-1", "99999x3", "3x3x3", "axb"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

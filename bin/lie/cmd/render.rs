@@ -1,0 +1,359 @@
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use clap::Args;
+use glam::UVec2;
+use indicatif::{ProgressBar, ProgressStyle};
+use lie_farm::{BatchReport, Builder, ConstructSettings, LieReplica, View};
+use lie_render::{Film, FrameSettings, LieLookup, RenderStats, ToneMap, World};
+use lie_scene::Camera;
+
+use crate::{
+    args::{self, Integrator, Precision, ToneCurve, say, write_json},
+    failure::{OrUsage, usage},
+};
+
+/// Renders one frame in this process, without a network.
+///
+/// With `--integrator lie`, local illumination environments are constructed first, until
+/// the view has converged (or for `--samples` samples); then the frame alone is timed.
+#[derive(Args)]
+pub(crate) struct Render {
+    /// A scene: .toml, .glb, .gltf or .obj, or a folder with a scene.toml.
+    scene: PathBuf,
+    /// How visibility of lights is found.
+    #[arg(long, value_enum, default_value = "lie")]
+    integrator: Integrator,
+    /// Named camera; the scene's first by default.
+    #[arg(long, conflicts_with = "walk", value_name = "NAME")]
+    camera: Option<String>,
+    /// Look from a walkthrough instead, at the time given by `--at`.
+    #[arg(long, value_name = "NAME")]
+    walk: Option<String>,
+    /// Seconds from the walkthrough's start.
+    #[arg(long, requires = "walk", default_value_t = 0.0, value_name = "SECONDS")]
+    at: f32,
+    /// Camera rays per pixel; the scene's setting by default.
+    #[arg(long, value_name = "N")]
+    spp: Option<u32>,
+    /// Sample points on each area light per camera ray; the scene's setting by default.
+    #[arg(long, value_name = "N")]
+    light_samples: Option<u32>,
+    /// Size of the picture in pixels; the scene's setting by default.
+    #[arg(long, value_parser = args::size, value_name = "WxH")]
+    size: Option<UVec2>,
+    /// Where to write the picture: linear radiance as .exr, or a tone-mapped .png.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Bits per channel of an EXR. `half` are the pixels that a farm sends by default.
+    #[arg(long, value_enum, default_value = "float")]
+    precision: Precision,
+    /// Exposure of a PNG in stops; the scene's setting by default.
+    #[arg(long, allow_negative_numbers = true, value_name = "STOPS")]
+    exposure: Option<f32>,
+    /// Tone curve of a PNG.
+    #[arg(long, value_enum, default_value = "aces")]
+    tone: ToneCurve,
+    /// Threads; 0 is one for each core.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    threads: usize,
+    /// Render the frame this often and report the median time.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
+    repeat: u32,
+    /// Seed of all random numbers.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
+    #[command(flatten)]
+    construction: Construction,
+    /// Write times and counts to this file as JSON.
+    #[arg(long, value_name = "FILE")]
+    stats: Option<PathBuf>,
+}
+
+/// How local illumination environments are constructed.
+#[derive(Args)]
+#[command(next_help_heading = "Construction")]
+pub(crate) struct Construction {
+    /// Construct exactly this many samples (in whole batches) instead of until converged.
+    #[arg(long, value_name = "N")]
+    samples: Option<u64>,
+    /// Samples that must agree on a light in a cell before it is relied on; until then its
+    /// shadow rays are traced through the scene. 0 is the paper.
+    #[arg(long, value_name = "N")]
+    trust: Option<u32>,
+    /// Levels below the root that the octree may reach, 1 to 20; the scene's by default.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=20), value_name = "N")]
+    max_depth: Option<u32>,
+    /// Occluders in a cell above which it splits; the scene's setting by default.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
+    split: Option<u32>,
+}
+
+impl Construction {
+    /// Settings for a scene, with what the command line says.
+    pub(crate) fn settings(&self, scene: &lie_scene::Scene) -> ConstructSettings {
+        let mut settings = ConstructSettings::new(&scene.settings);
+        settings.lie.trust = self.trust.unwrap_or(settings.lie.trust);
+        settings.lie.max_depth = self.max_depth.unwrap_or(settings.lie.max_depth);
+        settings.lie.split_threshold = self.split.unwrap_or(settings.lie.split_threshold);
+        settings
+    }
+}
+
+pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
+    if !is_picture(&arguments.out) {
+        return Err(usage(format!(
+            "{}: expected a name that ends in .exr or .png",
+            arguments.out.display()
+        ))
+        .into());
+    }
+    let scene = Arc::new(args::load_scene(&arguments.scene)?);
+    let camera = match &arguments.walk {
+        Some(name) => args::find_walkthrough(&scene, Some(name))?.camera_at(arguments.at),
+        None => args::find_camera(&scene, arguments.camera.as_deref())?.clone(),
+    };
+    let settings = frame_settings(arguments, &scene)?;
+    if scene.lights.is_empty() {
+        tracing::warn!("the scene has no lights: the picture will be black but for what emits");
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads)
+        .build()?;
+    let threads = pool.current_num_threads();
+
+    let clock = Instant::now();
+    let world = pool.install(|| Arc::new(World::new(scene.clone())));
+    let build_ms = milliseconds(clock.elapsed());
+
+    let construction = (arguments.integrator == Integrator::Lie)
+        .then(|| construct(arguments, &world, &camera, settings.size))
+        .transpose()?;
+    let frame =
+        pool.install(|| render(arguments, &world, &camera, &settings, construction.as_ref()));
+    write_picture(arguments, &scene, &frame.film)?;
+
+    if let Some(path) = &arguments.stats {
+        let stats = statistics(
+            arguments,
+            &settings,
+            threads,
+            build_ms,
+            &frame,
+            construction.as_ref(),
+        );
+        write_json(path, &stats)?;
+    }
+    let size = settings.size;
+    say(format_args!(
+        "{}: {} x {} pixels in {:.1} ms on {threads} threads ({})",
+        arguments.out.display(),
+        size.x,
+        size.y,
+        frame.median_ms,
+        arguments.integrator.name(),
+    ))
+}
+
+fn is_picture(path: &Path) -> bool {
+    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    ending.is_some_and(|ending| ending == "exr" || ending == "png")
+}
+
+fn frame_settings(arguments: &Render, scene: &lie_scene::Scene) -> anyhow::Result<FrameSettings> {
+    let mut wanted = scene.settings;
+    wanted.size = arguments.size.unwrap_or(wanted.size);
+    wanted.samples_per_pixel = arguments.spp.unwrap_or(wanted.samples_per_pixel);
+    wanted.light_samples = arguments.light_samples.unwrap_or(wanted.light_samples);
+    wanted.exposure_stops = arguments.exposure.unwrap_or(wanted.exposure_stops);
+    wanted.validate().or_usage()?;
+    let settings = FrameSettings::new(&wanted);
+    Ok(FrameSettings {
+        seed: arguments.seed,
+        ..settings
+    })
+}
+
+/// LIEs for the view, and what they took.
+struct Constructed {
+    replica: LieReplica,
+    report: BatchReport,
+    stats: lie_octree::LieStats,
+    milliseconds: f64,
+}
+
+fn construct(
+    arguments: &Render,
+    world: &Arc<World>,
+    camera: &Camera,
+    size: UVec2,
+) -> anyhow::Result<Constructed> {
+    /// Passes over the view after which construction gives up waiting for convergence.
+    const MAX_PASSES: u64 = 256;
+    let settings = ConstructSettings {
+        threads: arguments.threads,
+        seed: arguments.seed,
+        ..arguments.construction.settings(world.scene())
+    };
+    let clock = Instant::now();
+    let mut builder = Builder::new(world.clone(), settings)?;
+    let views = [View {
+        camera: camera.clone(),
+        size,
+    }];
+    let bar = progress_bar("construct", u64::from(size.x) * u64::from(size.y));
+    let mut taken = 0;
+    let report = match arguments.construction.samples {
+        Some(samples) => builder.sample(&views, samples),
+        None => {
+            let most = u64::from(size.x) * u64::from(size.y) * MAX_PASSES;
+            builder.converge(&views, most, |report| {
+                taken += Builder::BATCH as u64;
+                bar.set_length(bar.length().unwrap_or(0).max(taken));
+                bar.set_position(taken);
+                let error = report
+                    .estimated_error
+                    .map_or("…".into(), |error| format!("{:.3} %", 100.0 * error));
+                bar.set_message(format!("error {error}"));
+            })
+        }
+    };
+    bar.finish_and_clear();
+    if !report.converged && arguments.construction.samples.is_none() {
+        tracing::warn!("the view has not converged after {MAX_PASSES} passes");
+    }
+    let replica = LieReplica::of(world.clone(), builder.tree());
+    Ok(Constructed {
+        replica,
+        report,
+        stats: builder.tree().stats(),
+        milliseconds: milliseconds(clock.elapsed()),
+    })
+}
+
+/// A finished frame.
+struct Frame {
+    film: Film,
+    stats: RenderStats,
+    median_ms: f64,
+    min_ms: f64,
+    max_ms: f64,
+}
+
+fn render(
+    arguments: &Render,
+    world: &World,
+    camera: &Camera,
+    settings: &FrameSettings,
+    constructed: Option<&Constructed>,
+) -> Frame {
+    let lies = constructed.map(|constructed| constructed.replica.publish());
+    let lookup = lies.as_ref().map(|lies| lies as &dyn LieLookup);
+    let bar = progress_bar("render", 1000 * u64::from(arguments.repeat));
+    let mut times = vec![];
+    let mut last = None;
+    for repetition in 0..u64::from(arguments.repeat) {
+        let clock = Instant::now();
+        let progress = bar.clone();
+        let mut tell =
+            move |share: f32| progress.set_position(1000 * repetition + (1000.0 * share) as u64);
+        last = Some(lie_render::render_frame(
+            world, lookup, camera, settings, &mut tell,
+        ));
+        times.push(milliseconds(clock.elapsed()));
+    }
+    bar.finish_and_clear();
+    times.sort_by(f64::total_cmp);
+    let (film, stats) = last.unwrap_or_else(|| (Film::new(settings.size), RenderStats::default()));
+    Frame {
+        film,
+        stats,
+        median_ms: times[times.len() / 2],
+        min_ms: times[0],
+        max_ms: times[times.len() - 1],
+    }
+}
+
+fn write_picture(arguments: &Render, scene: &lie_scene::Scene, film: &Film) -> anyhow::Result<()> {
+    if arguments
+        .out
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
+    {
+        let exposure_stops = arguments.exposure.unwrap_or(scene.settings.exposure_stops);
+        let map = ToneMap {
+            exposure_stops,
+            curve: arguments.tone.into(),
+        };
+        lie_render::write_png(&arguments.out, film, &map)?;
+    } else {
+        lie_render::write_exr(&arguments.out, film, arguments.precision.into())?;
+    }
+    Ok(())
+}
+
+fn statistics(
+    arguments: &Render,
+    settings: &FrameSettings,
+    threads: usize,
+    build_ms: f64,
+    frame: &Frame,
+    constructed: Option<&Constructed>,
+) -> serde_json::Value {
+    let stats = &frame.stats;
+    // Stage times are summed over threads; as parts of the frame they are shared out.
+    let stage_ms = |nanoseconds: u64| nanoseconds as f64 * 1.0e-6 / threads as f64;
+    serde_json::json!({
+        "scene": arguments.scene.display().to_string(),
+        "integrator": arguments.integrator.name(),
+        "accel": "bvh",
+        "threads": threads,
+        "width": settings.size.x,
+        "height": settings.size.y,
+        "spp": settings.samples_per_pixel,
+        "light_samples": settings.light_samples,
+        "repetitions": arguments.repeat,
+        "frame_ms": frame.median_ms,
+        "frame_ms_min": frame.min_ms,
+        "frame_ms_max": frame.max_ms,
+        "visibility_ms": stage_ms(stats.visibility_ns),
+        "unoccluded_ms": stage_ms(stats.unoccluded_ns),
+        "partial_ms": stage_ms(stats.partial_ns),
+        "full_ms": stage_ms(stats.full_ns),
+        "build_ms": build_ms,
+        "construct_ms": constructed.map_or(0.0, |constructed| constructed.milliseconds),
+        "primary_rays": stats.primary_rays,
+        "shadow_rays": stats.shadow_rays,
+        "list_rays": stats.list_rays,
+        "occluder_tests": stats.occluder_tests,
+        "trusted_fraction": stats.trusted_fraction(),
+        "lie": constructed.map(|constructed| serde_json::json!({
+            "cells": constructed.stats.cells,
+            "entries": constructed.stats.entries,
+            "occluders": constructed.stats.occluders,
+            "bytes": constructed.stats.bytes,
+            "shader_bytes": constructed.replica.publish().bytes(),
+            "samples": constructed.report.samples,
+            "version": constructed.report.version,
+            "estimated_error": constructed.report.estimated_error,
+            "converged": constructed.report.converged,
+        })),
+    })
+}
+
+/// A bar on standard error; nothing where that is not a terminal.
+fn progress_bar(what: &'static str, length: u64) -> ProgressBar {
+    let template = "{prefix:>9} [{wide_bar}] {percent:>3} % {msg}";
+    let style =
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length)
+        .with_style(style.progress_chars("=> "))
+        .with_prefix(what)
+}
+
+fn milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1000.0
+}
