@@ -159,7 +159,8 @@ fn lights_and_cameras_follow_their_nodes() {
     ]}});
     document["cameras"] =
         json!([{"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}]);
-    let turn = json!([0, 0.70710678, 0, 0.70710678]);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let turn = json!([0, half, 0, half]);
     document["nodes"] = json!([
         {"mesh": 0, "children": [1, 2]},
         {"translation": [1, 2, 3], "rotation": turn, "extensions": {"KHR_lights_punctual": {"light": 0}}},

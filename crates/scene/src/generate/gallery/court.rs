@@ -39,7 +39,7 @@ impl Site {
                 corner,
                 edge_u,
                 edge_v,
-                3.6 * NEUTRAL,
+                5.5 * NEUTRAL,
             );
         }
         for (index, (x, z)) in [(-8.0, -11.5), (-8.0, -14.4), (8.0, -11.5), (8.0, -14.4)]
@@ -329,7 +329,7 @@ impl Site {
     fn add_ring(&mut self) {
         let center = Vec3::new(0.0, 4.35, -12.6);
         let material = self.draft.add_material(Material {
-            emission: 9.0 * NEUTRAL,
+            emission: 12.0 * NEUTRAL,
             ..Material::diffuse("ring of light", Vec3::splat(0.8))
         });
         let ring = torus(1.25, 0.05, [self.fine(72), self.fine(10)]);
