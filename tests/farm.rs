@@ -17,8 +17,7 @@ use lie_farm::{
     convert,
     network::Exposure,
 };
-use lie_protocol::{Compression, Decoder, Header, Opening, PixelFormat};
-use lie_render::Integrator;
+use lie_protocol::{Compression, Decoder, Header, Opening, PixelFormat, WireIntegrator};
 use support::{LONG, Process};
 use tokio::time::sleep;
 
@@ -34,7 +33,7 @@ fn request(client: &Client, samples_per_pixel: u32) -> FrameRequest {
         size: UVec2::new(160, 120),
         samples_per_pixel,
         light_samples: 16,
-        integrator: Integrator::Standard,
+        integrator: WireIntegrator::Standard,
         seed: 7,
         format: PixelFormat::F32,
         compression: Compression::Lz4,
@@ -109,7 +108,7 @@ async fn pictures_go_on_without_the_constructor_and_it_may_come_back() {
     client.wait_for_shaders(1).await;
     constructor.kill();
     let request = FrameRequest {
-        integrator: Integrator::Lie,
+        integrator: WireIntegrator::Lie,
         ..request(&client, 1)
     };
     let frame = client.render_frame(&request).await.unwrap();

@@ -35,15 +35,6 @@ pub(crate) enum Integrator {
     Lie,
 }
 
-impl From<Integrator> for lie_render::Integrator {
-    fn from(integrator: Integrator) -> Self {
-        match integrator {
-            Integrator::Standard => Self::Standard,
-            Integrator::Lie => Self::Lie,
-        }
-    }
-}
-
 impl Integrator {
     /// Its name on the command line and in statistics.
     pub(crate) fn name(self) -> &'static str {

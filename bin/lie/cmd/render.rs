@@ -8,7 +8,7 @@ use clap::Args;
 use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
 use lie_farm::{BatchReport, Builder, ConstructSettings, LieReplica, View};
-use lie_render::{Film, FrameSettings, NoLies, RenderStats, ToneMap, World};
+use lie_render::{Film, FrameSettings, LieLookup, RenderStats, ToneMap, World};
 use lie_scene::Camera;
 
 use crate::{
@@ -80,8 +80,8 @@ pub(crate) struct Construction {
     /// Construct exactly this many samples (in whole batches) instead of until converged.
     #[arg(long, value_name = "N")]
     pub(crate) samples: Option<u64>,
-    /// Samples in a cell before it is relied on; until then every shadow ray is traced. 0
-    /// is the paper.
+    /// Samples that must agree on a light in a cell before it is relied on; until then its
+    /// shadow rays are traced through the scene. 0 is the paper.
     #[arg(long, value_name = "N")]
     trust: Option<u32>,
     /// Levels below the root that the octree may reach, 1 to 20; the scene's by default.
@@ -185,7 +185,7 @@ fn frame_settings(arguments: &Render, scene: &lie_scene::Scene) -> anyhow::Resul
     wanted.light_samples = arguments.light_samples.unwrap_or(wanted.light_samples);
     wanted.exposure_stops = arguments.exposure.unwrap_or(wanted.exposure_stops);
     wanted.validate().or_usage()?;
-    let settings = FrameSettings::new(&wanted, arguments.integrator.into());
+    let settings = FrameSettings::new(&wanted);
     Ok(FrameSettings {
         seed: arguments.seed,
         ..settings
@@ -266,10 +266,7 @@ fn render(
     constructed: Option<&Constructed>,
 ) -> Frame {
     let lies = constructed.map(|constructed| constructed.replica.publish());
-    let lookup: &dyn lie_render::LieLookup = match &lies {
-        Some(lies) => lies,
-        None => &NoLies,
-    };
+    let lookup = lies.as_ref().map(|lies| lies as &dyn LieLookup);
     let bar = progress_bar("render", 1000 * u64::from(arguments.repeat));
     let mut times = vec![];
     let mut last = None;

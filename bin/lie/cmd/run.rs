@@ -21,7 +21,7 @@ use lie_farm::{
     network::Exposure,
     walk::{WalkConfig, walk},
 };
-use lie_protocol::{Compression, PixelFormat, SceneSummary};
+use lie_protocol::{Compression, PixelFormat, SceneSummary, WireIntegrator};
 use lie_scene::{KeyFrame, RenderSettings, Walkthrough};
 
 use super::render::Construction;
@@ -171,7 +171,10 @@ async fn take_walk(arguments: &Run, address: &str, bar: &ProgressBar) -> anyhow:
             size: settings.size,
             samples_per_pixel: settings.samples_per_pixel,
             light_samples: settings.light_samples,
-            integrator: arguments.integrator.into(),
+            integrator: match arguments.integrator {
+                Integrator::Standard => WireIntegrator::Standard,
+                Integrator::Lie => WireIntegrator::Lie,
+            },
             seed: arguments.seed,
             format: match arguments.precision {
                 Precision::Half => PixelFormat::F16,

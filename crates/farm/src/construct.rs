@@ -21,7 +21,7 @@ pub struct ConstructSettings {
 }
 
 impl ConstructSettings {
-    /// Share of a view's samples that must lie in trusted cells before it counts as converged.
+    /// Share of a view's light evaluations that must be trusted before it counts as converged.
     pub const TRUSTED: f32 = 0.99;
 
     /// Settings for a scene, with the scene's own depth and threshold.
@@ -73,7 +73,7 @@ pub struct BatchReport {
     /// Relative RMSE of the picture over the last pass, the largest of all views; `None`
     /// before every view has seen a whole pass.
     pub estimated_error: Option<f32>,
-    /// Whether every view has converged: error below the tolerance and cells trusted.
+    /// Whether every view has converged: error below the tolerance and lights trusted.
     pub converged: bool,
 }
 
@@ -84,7 +84,7 @@ struct ViewProgress {
     /// Samples taken of it.
     taken: u64,
     pass: Pass,
-    /// Error and share of trusted samples of the last whole pass.
+    /// Error and share of trusted light evaluations of the last whole pass.
     last: Option<(f32, f32)>,
 }
 
@@ -92,7 +92,7 @@ struct ViewProgress {
 #[derive(Clone, Copy, Default)]
 struct Pass {
     samples: u64,
-    surfaces: u64,
+    evaluations: u64,
     trusted: u64,
     squared_error: f64,
     luminance: f64,
@@ -258,7 +258,7 @@ impl ViewProgress {
         let pass = &mut self.pass;
         pass.samples += 1;
         if let Some(seen) = observation {
-            pass.surfaces += 1;
+            pass.evaluations += seen.outcomes.len() as u64;
             pass.trusted += u64::from(seen.trusted);
             pass.squared_error += f64::from(seen.predicted - seen.actual).powi(2);
             pass.luminance += f64::from(seen.actual);
@@ -282,10 +282,10 @@ impl Pass {
     }
 
     fn trusted_share(&self) -> f32 {
-        if self.surfaces == 0 {
+        if self.evaluations == 0 {
             1.0
         } else {
-            self.trusted as f32 / self.surfaces as f32
+            self.trusted as f32 / self.evaluations as f32
         }
     }
 }

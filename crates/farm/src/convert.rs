@@ -3,10 +3,10 @@
 use glam::{Quat, UVec2, Vec3};
 use lie_octree::{CellBody, CellKey, CellState, LieState, LitLight};
 use lie_protocol::{
-    BeginFrame, SceneHash, SceneSummary, Text, WireBody, WireCamera, WireCell, WireIntegrator,
-    WireKeyFrame, WireLight, WireRenderSettings, WireWalkthrough, limit,
+    BeginFrame, SceneHash, SceneSummary, Text, WireBody, WireCamera, WireCell, WireKeyFrame,
+    WireLight, WireRenderSettings, WireWalkthrough, limit,
 };
-use lie_render::{FrameSettings, Integrator};
+use lie_render::FrameSettings;
 use lie_scene::{Camera, KeyFrame, RenderSettings, Scene, Walkthrough};
 
 /// Why what a peer sent is not what it should be.
@@ -157,21 +157,8 @@ pub fn frame_settings(begin: &BeginFrame) -> Result<FrameSettings, ConvertError>
         size: UVec2::from(begin.size),
         samples_per_pixel: begin.samples_per_pixel,
         light_samples: begin.light_samples,
-        integrator: match begin.integrator {
-            WireIntegrator::Standard => Integrator::Standard,
-            WireIntegrator::Lie => Integrator::Lie,
-        },
         seed: begin.seed,
     })
-}
-
-/// An integrator for the wire.
-#[must_use]
-pub fn wire_integrator(integrator: Integrator) -> WireIntegrator {
-    match integrator {
-        Integrator::Standard => WireIntegrator::Standard,
-        Integrator::Lie => WireIntegrator::Lie,
-    }
 }
 
 /// A cell for the wire.
@@ -180,7 +167,7 @@ pub fn wire_cell(state: &CellState) -> WireCell {
     let body = match &state.body {
         CellBody::Inner => WireBody::Interior,
         CellBody::Leaf(lie) => WireBody::Leaf {
-            trusted: lie.trusted,
+            hidden: lie.hidden.clone(),
             lights: lie
                 .lights
                 .iter()
@@ -209,8 +196,9 @@ pub fn cell(cell: WireCell) -> Result<CellState, ConvertError> {
     let key = CellKey::from_raw(raw).ok_or_else(|| wrong("no cell has this key"))?;
     let body = match cell.body {
         WireBody::Interior => CellBody::Inner,
-        WireBody::Leaf { trusted, lights } => {
-            let rising = lights.windows(2).all(|pair| pair[0].light < pair[1].light);
+        WireBody::Leaf { lights, hidden } => {
+            let rising = lights.windows(2).all(|pair| pair[0].light < pair[1].light)
+                && hidden.windows(2).all(|pair| pair[0] < pair[1]);
             if !rising {
                 return Err(wrong("its lights are out of order"));
             }
@@ -219,8 +207,8 @@ pub fn cell(cell: WireCell) -> Result<CellState, ConvertError> {
                 occluders: lit.occluders,
             });
             CellBody::Leaf(LieState {
-                trusted,
                 lights: lights.collect(),
+                hidden,
             })
         }
     };

@@ -11,6 +11,7 @@ use lie_render::{LieCell, LieLight, LieLookup, World};
 /// one while the next is applied.
 pub struct LieReplica {
     world: Arc<World>,
+    settings: LieSettings,
     replica: Replica<LieCell>,
 }
 
@@ -34,9 +35,10 @@ impl LieReplica {
     #[must_use]
     pub fn new(world: Arc<World>, settings: LieSettings) -> Self {
         let cube = Cube::around(world.scene().geometry.bounds());
-        let empty = compile(&world, &settings.empty_state());
+        let empty = compile(&world, settings, &LieState::default());
         Self {
             world,
+            settings,
             replica: Replica::new(cube, empty),
         }
     }
@@ -46,7 +48,8 @@ impl LieReplica {
     pub fn of(world: Arc<World>, tree: &LieTree) -> Self {
         let mut copy = Self::new(world, tree.settings());
         for state in tree.keys().into_iter().filter_map(|key| tree.state(key)) {
-            copy.replica.apply(&state, |lie| compile(&copy.world, lie));
+            copy.replica
+                .apply(&state, |lie| compile(&copy.world, copy.settings, lie));
         }
         copy.replica.reached(tree.version());
         copy
@@ -59,7 +62,8 @@ impl LieReplica {
     pub fn apply(&mut self, states: &[CellState], to_version: u64) -> Result<(), ReplicaError> {
         states.iter().try_for_each(|state| self.check(state))?;
         for state in states {
-            self.replica.apply(state, |lie| compile(&self.world, lie));
+            self.replica
+                .apply(state, |lie| compile(&self.world, self.settings, lie));
         }
         self.replica.reached(to_version);
         Ok(())
@@ -82,6 +86,13 @@ impl LieReplica {
             return Ok(());
         };
         let scene = self.world.scene();
+        if let Some(&light) = lie
+            .hidden
+            .iter()
+            .find(|&&light| light as usize >= scene.lights.len())
+        {
+            return Err(ReplicaError::Light(light));
+        }
         for entry in &lie.lights {
             if entry.light as usize >= scene.lights.len() {
                 return Err(ReplicaError::Light(entry.light));
@@ -118,14 +129,24 @@ impl LieLookup for PublishedLies {
 }
 
 /// An LIE in the form that shading wants. The caller has checked its indices.
-fn compile(world: &World, lie: &LieState) -> LieCell {
+fn compile(world: &World, settings: LieSettings, lie: &LieState) -> LieCell {
     let scene = world.scene();
     let (partial, unoccluded): (Vec<_>, Vec<_>) = lie
         .lights
         .iter()
         .partition(|entry| !entry.occluders.is_empty());
+    let is_known = |light: &u32| {
+        lie.lights
+            .binary_search_by_key(light, |entry| entry.light)
+            .is_ok()
+            || lie.hidden.binary_search(light).is_ok()
+    };
+    let doubted = if settings.trust == 0 {
+        0
+    } else {
+        scene.lights.len() as u32
+    };
     LieCell {
-        trusted: lie.trusted,
         unoccluded: unoccluded.iter().map(|entry| entry.light).collect(),
         partial: partial
             .iter()
@@ -134,5 +155,6 @@ fn compile(world: &World, lie: &LieState) -> LieCell {
                 occluders: Occluders::gather(&scene.geometry, Some(scene), &entry.occluders),
             })
             .collect(),
+        doubtful: (0..doubted).filter(|light| !is_known(light)).collect(),
     }
 }

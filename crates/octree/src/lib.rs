@@ -49,7 +49,7 @@ mod replica;
 mod tree;
 
 pub use key::CellKey;
-pub use lie::{Lie, LightEvidence, Occluder};
+pub use lie::{HiddenLight, Lie, LightEvidence, Occluder, Standing};
 pub use lie_tree::{LieSettings, LieStats, LieTree};
 pub use observe::{Observation, Outcome, ShadowRay, Visibility, observe};
 pub use replica::{CellBody, CellState, LieState, LitLight, Replica};

@@ -3,16 +3,18 @@ use crate::{LieState, LitLight, Outcome};
 /// What the constructor knows of one cell.
 ///
 /// Invariants: `lights` are in order of their number and each was seen by some sample
-/// (`clear ≥ 1`); every occluder blocked some sample's ray to its light.
+/// (`clear ≥ 1`); every occluder blocked some sample's ray to its light; no light is both
+/// in `lights` and `hidden`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Lie {
     samples: u32,
     lights: Vec<LightEvidence>,
+    hidden: Vec<HiddenLight>,
     /// Tree version at which what shaders see of it last changed.
     pub(crate) version: u64,
 }
 
-/// What the constructor knows of one light in one cell.
+/// What the constructor knows of a light that reaches the cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LightEvidence {
     /// Number of the light in the scene.
@@ -21,8 +23,19 @@ pub struct LightEvidence {
     pub clear: u32,
     /// Samples that did not, counted since the first that did.
     pub blocked: u32,
-    /// The triangles that came in between.
+    /// Samples that agreed with what was known, since one last added to it.
+    pub agreed: u32,
+    /// The triangles that came in between, in the order of their discovery.
     pub occluders: Vec<Occluder>,
+}
+
+/// A light that no sample has seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HiddenLight {
+    /// Number of the light in the scene.
+    pub light: u32,
+    /// Samples that did not see it.
+    pub blocked: u32,
 }
 
 /// A triangle that blocks a light somewhere in a cell.
@@ -34,11 +47,15 @@ pub struct Occluder {
     pub hits: u32,
 }
 
-/// What recording one observation changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Change {
-    pub(crate) new_lights: usize,
-    pub(crate) new_occluders: usize,
+/// How much a cell's knowledge of one light is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing<'a> {
+    /// It reaches the cell, past these occluders.
+    Lit(&'a LightEvidence),
+    /// It does not reach the cell.
+    Hidden,
+    /// Too few samples to say: a shader asks the scene.
+    Doubtful,
 }
 
 impl Lie {
@@ -62,6 +79,13 @@ impl Lie {
         &self.lights
     }
 
+    /// The lights that could light the cell but were never seen from it, in order of their
+    /// number.
+    #[must_use]
+    pub fn hidden(&self) -> &[HiddenLight] {
+        &self.hidden
+    }
+
     /// What is known of a light, if it was ever seen from here.
     #[must_use]
     pub fn light(&self, light: u32) -> Option<&LightEvidence> {
@@ -71,56 +95,115 @@ impl Lie {
         place.ok().map(|index| &self.lights[index])
     }
 
+    /// What shaders make of a light, if they trust what `trust` samples agree on. At 0 they
+    /// trust everything, as in the paper: what is not known to be lit is hidden.
+    #[must_use]
+    pub fn standing(&self, light: u32, trust: u32) -> Standing<'_> {
+        if let Some(entry) = self.light(light) {
+            return if entry.agreed >= trust {
+                Standing::Lit(entry)
+            } else {
+                Standing::Doubtful
+            };
+        }
+        let place = self
+            .hidden
+            .binary_search_by_key(&light, |entry| entry.light);
+        let blocked = place.map_or(0, |index| self.hidden[index].blocked);
+        if blocked >= trust {
+            Standing::Hidden
+        } else {
+            Standing::Doubtful
+        }
+    }
+
     /// The cell's complexity: the sum of all occluders (LIE §4.1).
     #[must_use]
     pub fn complexity(&self) -> usize {
         self.lights.iter().map(|entry| entry.occluders.len()).sum()
     }
 
-    /// Takes in one sample: the three cases of LIE §4.1.
-    pub(crate) fn record(&mut self, outcomes: &[Outcome]) -> Change {
+    /// Takes in one sample: the three cases of LIE §4.1, and evidence. Says whether shaders
+    /// now see the cell differently.
+    pub(crate) fn record(&mut self, outcomes: &[Outcome], trust: u32) -> bool {
         self.samples = self.samples.saturating_add(1);
-        let mut change = Change::default();
-        for outcome in outcomes {
-            let place = self
-                .lights
-                .binary_search_by_key(&outcome.light, |entry| entry.light);
-            match (outcome.blocker, place) {
-                // Unoccluded, seen before.
-                (None, Ok(index)) => {
-                    let entry = &mut self.lights[index];
-                    entry.clear = entry.clear.saturating_add(1);
-                }
-                // Unoccluded, seen for the first time: the light is added.
-                (None, Err(index)) => {
-                    let entry = LightEvidence {
-                        light: outcome.light,
-                        clear: 1,
-                        blocked: 0,
-                        occluders: vec![],
-                    };
-                    self.lights.insert(index, entry);
-                    change.new_lights += 1;
-                }
-                // Occluded and never seen: nothing.
-                (Some(_), Err(_)) => {}
-                // Partially occluded: the blocker joins the light's occluders.
-                (Some(triangle), Ok(index)) => {
-                    change.new_occluders += usize::from(self.lights[index].block(triangle));
-                }
+        let mut changed = false;
+        for &Outcome { light, blocker } in outcomes {
+            let was_doubtful = self.standing(light, trust) == Standing::Doubtful;
+            let news = match blocker {
+                None => self.see(light),
+                Some(triangle) => self.block(light, triangle),
+            };
+            let is_doubtful = self.standing(light, trust) == Standing::Doubtful;
+            changed |= was_doubtful != is_doubtful || (news && !is_doubtful);
+        }
+        changed
+    }
+
+    /// An unoccluded sample. Says whether it saw the light for the first time.
+    fn see(&mut self, light: u32) -> bool {
+        match self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+        {
+            Ok(index) => {
+                let entry = &mut self.lights[index];
+                entry.clear = entry.clear.saturating_add(1);
+                entry.agreed = entry.agreed.saturating_add(1);
+                false
+            }
+            // Unoccluded and not in the LIE: the light is added.
+            Err(index) => {
+                self.hidden.retain(|entry| entry.light != light);
+                let entry = LightEvidence {
+                    light,
+                    clear: 1,
+                    blocked: 0,
+                    agreed: 0,
+                    occluders: vec![],
+                };
+                self.lights.insert(index, entry);
+                true
             }
         }
-        change
+    }
+
+    /// An occluded sample. Says whether it added an occluder.
+    fn block(&mut self, light: u32, triangle: u32) -> bool {
+        match self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+        {
+            // In the LIE: partially occluded, and the blocker joins the light's occluders.
+            Ok(index) => self.lights[index].block(triangle),
+            // Not in the LIE: it stays as it is, but for the evidence.
+            Err(_) => {
+                match self
+                    .hidden
+                    .binary_search_by_key(&light, |entry| entry.light)
+                {
+                    Ok(index) => {
+                        let entry = &mut self.hidden[index];
+                        entry.blocked = entry.blocked.saturating_add(1);
+                    }
+                    Err(index) => self.hidden.insert(index, HiddenLight { light, blocked: 1 }),
+                }
+                false
+            }
+        }
     }
 
     /// What shaders see of the cell.
     #[must_use]
     pub(crate) fn state(&self, trust: u32) -> LieState {
+        let lights = self.lights.iter().filter(|entry| entry.agreed >= trust);
+        // Without doubt, every light that is not lit is hidden: no need to name it.
+        let hidden = self
+            .hidden
+            .iter()
+            .filter(|entry| trust > 0 && entry.blocked >= trust);
         LieState {
-            trusted: self.samples >= trust,
-            lights: self
-                .lights
-                .iter()
+            lights: lights
                 .map(|entry| LitLight {
                     light: entry.light,
                     occluders: entry
@@ -130,7 +213,15 @@ impl Lie {
                         .collect(),
                 })
                 .collect(),
+            hidden: hidden.map(|entry| entry.light).collect(),
         }
+    }
+
+    /// Heap memory in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.lights[..])
+            + size_of_val(&self.hidden[..])
+            + self.complexity() * size_of::<Occluder>()
     }
 }
 
@@ -144,9 +235,11 @@ impl LightEvidence {
             .find(|occluder| occluder.triangle == triangle)
         {
             known.hits = known.hits.saturating_add(1);
+            self.agreed = self.agreed.saturating_add(1);
             return false;
         }
         self.occluders.push(Occluder { triangle, hits: 1 });
+        self.agreed = 0;
         true
     }
 }
@@ -155,25 +248,30 @@ impl LightEvidence {
 mod tests {
     use super::*;
 
+    const SEEN: Option<u32> = None;
+
+    fn record(lie: &mut Lie, outcomes: &[(u32, Option<u32>)], trust: u32) -> bool {
+        let outcomes: Vec<_> = outcomes
+            .iter()
+            .map(|&(light, blocker)| Outcome { light, blocker })
+            .collect();
+        lie.record(&outcomes, trust)
+    }
+
     #[test]
     fn the_three_cases_of_the_paper() {
-        let seen = |light| Outcome {
-            light,
-            blocker: None,
-        };
-        let blocked = |light, triangle| Outcome {
-            light,
-            blocker: Some(triangle),
-        };
         let mut lie = Lie::default();
-        assert_eq!(lie.record(&[blocked(4, 1)]), Change::default());
+        assert!(!record(&mut lie, &[(4, Some(1))], 0));
         assert!(
             lie.lights().is_empty(),
             "a light that nothing saw is not added"
         );
-        assert_eq!(lie.record(&[seen(4), seen(2)]).new_lights, 2);
-        assert_eq!(lie.record(&[blocked(4, 1)]).new_occluders, 1);
-        assert_eq!(lie.record(&[blocked(4, 1), seen(2)]), Change::default());
+        assert!(record(&mut lie, &[(4, SEEN), (2, SEEN)], 0));
+        assert!(record(&mut lie, &[(4, Some(1))], 0));
+        assert!(
+            !record(&mut lie, &[(4, Some(1)), (2, SEEN)], 0),
+            "nothing new"
+        );
         assert_eq!(
             lie.lights()
                 .iter()
@@ -191,5 +289,39 @@ mod tests {
                 hits: 2
             }]
         );
+    }
+
+    #[test]
+    fn trust_takes_samples_that_agree_and_ends_with_one_that_does_not() {
+        let mut lie = Lie::default();
+        let standing = |lie: &Lie, light| match lie.standing(light, 2) {
+            Standing::Lit(_) => "lit",
+            Standing::Hidden => "hidden",
+            Standing::Doubtful => "doubtful",
+        };
+        assert!(!record(&mut lie, &[(0, SEEN), (1, Some(7))], 2));
+        assert!(
+            record(&mut lie, &[(0, SEEN), (1, Some(7))], 2),
+            "light 1 is now trusted to be hidden"
+        );
+        assert_eq!(
+            (standing(&lie, 0), standing(&lie, 1), standing(&lie, 9)),
+            ("doubtful", "hidden", "doubtful")
+        );
+        assert_eq!(
+            lie.state(2),
+            LieState {
+                lights: vec![],
+                hidden: vec![1]
+            }
+        );
+        assert!(record(&mut lie, &[(0, SEEN), (1, SEEN)], 2));
+        assert_eq!((standing(&lie, 0), standing(&lie, 1)), ("lit", "doubtful"));
+        assert!(
+            record(&mut lie, &[(0, Some(3))], 2),
+            "a new occluder ends the trust"
+        );
+        assert_eq!(standing(&lie, 0), "doubtful");
+        assert!(lie.hidden().is_empty());
     }
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 use lie_geom::Aabb;
 
 use crate::{
-    CellBody, CellKey, CellState, Lie, LieState, LightEvidence, Observation, Occluder,
+    CellBody, CellKey, CellState, Lie, LightEvidence, Observation,
     tree::{Cell, Cube, Octree},
 };
 
@@ -15,8 +15,10 @@ pub struct LieSettings {
     pub max_depth: u32,
     /// A cell with more occluders than this, summed over its lights, splits.
     pub split_threshold: u32,
-    /// Samples in a cell before shaders rely on it; until then they trace every shadow
-    /// ray. 0 is the paper: cells are relied on from the start, empty ones as well.
+    /// Samples that must agree on a light in a cell before shaders rely on it; until then
+    /// they trace its shadow rays. By the rule of three, what n samples agree on is wrong
+    /// for fewer than 3/n of the rays (at 95 %). 0 is the paper: cells are relied on from
+    /// the start, empty ones as well.
     pub trust: u32,
 }
 
@@ -25,18 +27,7 @@ impl Default for LieSettings {
         Self {
             max_depth: 9,
             split_threshold: 24,
-            trust: 16,
-        }
-    }
-}
-
-impl LieSettings {
-    /// The state of a cell that was never sampled.
-    #[must_use]
-    pub fn empty_state(&self) -> LieState {
-        LieState {
-            trusted: self.trust == 0,
-            lights: vec![],
+            trust: 64,
         }
     }
 }
@@ -127,11 +118,9 @@ impl LieTree {
         let Some(lie) = self.tree.leaf_mut(key) else {
             return;
         };
-        let change = lie.record(&observation.outcomes);
+        let changed = lie.record(&observation.outcomes, settings.trust);
         self.samples += 1;
-        // Becoming trusted is seen by shaders as well.
-        let newly_trusted = lie.samples() == settings.trust;
-        if newly_trusted || change.new_lights + change.new_occluders > 0 {
+        if changed {
             lie.version = version + 1;
             self.changed.insert(key);
         }
@@ -189,13 +178,10 @@ impl LieTree {
         let mut stats = LieStats::default();
         self.tree.for_each(|_, cell| {
             let Cell::Leaf(lie) = cell else { return };
-            let occluders = lie.complexity();
             stats.cells += u64::from(lie.samples() > 0);
             stats.entries += lie.lights().len() as u64;
-            stats.occluders += occluders as u64;
-            stats.bytes += (size_of::<Lie>()
-                + size_of_val(lie.lights())
-                + occluders * size_of::<Occluder>()) as u64;
+            stats.occluders += lie.complexity() as u64;
+            stats.bytes += (size_of::<Lie>() + lie.bytes()) as u64;
         });
         stats
     }

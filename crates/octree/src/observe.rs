@@ -1,7 +1,7 @@
 use glam::Vec3;
 use lie_geom::Ray;
 
-use crate::{LieTree, Occluder};
+use crate::{LieTree, Occluder, Standing};
 
 /// What construction needs to know of the world.
 pub trait Visibility: Sync {
@@ -34,8 +34,8 @@ pub struct Observation {
     pub predicted: f32,
     /// Luminance of the pixel as it is.
     pub actual: f32,
-    /// Whether shaders rely on the cell.
-    pub trusted: bool,
+    /// How many of the lights shaders do not ask the scene for.
+    pub trusted: u32,
     /// Rays that had to go through the whole scene.
     pub scene_rays: u32,
 }
@@ -70,18 +70,17 @@ pub fn observe(
     world: &dyn Visibility,
 ) -> Observation {
     let lie = tree.lie_at(point);
-    let trusted = lie.samples() >= tree.settings().trust;
+    let trust = tree.settings().trust;
     let mut observation = Observation {
         point,
         outcomes: Vec::with_capacity(rays.len()),
         predicted: 0.0,
         actual: 0.0,
-        trusted,
+        trusted: 0,
         scene_rays: 0,
     };
     for ShadowRay { light, ray, weight } in rays {
-        let known = lie.light(*light);
-        let list = known.map_or(&[][..], |entry| &entry.occluders);
+        let list = lie.light(*light).map_or(&[][..], |entry| &entry.occluders);
         let (first, rest) = list.split_at(list.len().min(ASKED_FIRST));
         let among = |list: &[Occluder]| {
             list.iter()
@@ -99,12 +98,13 @@ pub fn observe(
                 blocker = listed.or(blocker);
             }
         }
-        // In a cell that is not trusted the shader asks the scene, and is right.
-        let shown = if trusted {
-            known.is_some() && listed.is_none()
-        } else {
-            blocker.is_none()
+        let shown = match lie.standing(*light, trust) {
+            Standing::Lit(_) => listed.is_none(),
+            Standing::Hidden => false,
+            // The shader asks the scene, and is right.
+            Standing::Doubtful => blocker.is_none(),
         };
+        observation.trusted += u32::from(lie.standing(*light, trust) != Standing::Doubtful);
         observation.predicted += if shown { *weight } else { 0.0 };
         observation.actual += if blocker.is_none() { *weight } else { 0.0 };
         observation.outcomes.push(Outcome {

@@ -28,14 +28,16 @@ pub enum CellBody {
     Leaf(LieState),
 }
 
-/// An LIE without the evidence for it (LIE §4): lights with their occluders.
+/// An LIE without the evidence for it (LIE §4): what is trusted of each light. A light
+/// that is in neither list is doubtful, unless nothing is ever doubted
+/// ([`crate::LieSettings::trust`] is 0): then it is hidden.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LieState {
-    /// Whether it rests on enough samples to be relied on.
-    pub trusted: bool,
     /// The lights that reach the cell, in order of their number. One without occluders is
-    /// unoccluded; one that is not here is fully occluded.
+    /// unoccluded.
     pub lights: Vec<LitLight>,
+    /// The lights that are fully occluded, in order of their number.
+    pub hidden: Vec<u32>,
 }
 
 /// A light that reaches a cell.
@@ -73,8 +75,7 @@ impl<T> Clone for Leaf<T> {
 }
 
 impl<T> Replica<T> {
-    /// A tree that knows nothing. `empty` is the form of
-    /// [`crate::LieSettings::empty_state`].
+    /// A tree that knows nothing. `empty` is the form of [`LieState::default`].
     #[must_use]
     pub fn new(cube: Cube, empty: T) -> Self {
         let empty = Leaf {

@@ -30,7 +30,7 @@ fn observation() -> impl Strategy<Value = Observation> {
             outcomes,
             predicted: 0.0,
             actual: 0.0,
-            trusted: false,
+            trusted: 0,
             scene_rays: 0,
         }
     })
@@ -45,7 +45,7 @@ fn settings() -> impl Strategy<Value = LieSettings> {
 }
 
 fn replica(tree: &LieTree) -> Replica<LieState> {
-    Replica::new(tree.cube(), tree.settings().empty_state())
+    Replica::new(tree.cube(), LieState::default())
 }
 
 fn leaves(replica: &Replica<LieState>) -> BTreeMap<CellKey, LieState> {

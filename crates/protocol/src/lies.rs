@@ -9,7 +9,7 @@ pub struct WireLieSettings {
     pub max_depth: u32,
     /// Sum of occluders above which a cell splits.
     pub split_threshold: u32,
-    /// Samples in a cell before it is relied on.
+    /// Samples that must agree before a light in a cell is relied on.
     pub trust: u32,
 }
 
@@ -46,13 +46,14 @@ pub struct WireCell {
 pub enum WireBody {
     /// Split into eight.
     Interior,
-    /// A LIE.
+    /// What is trusted of each light; one in neither list is doubtful.
     Leaf {
-        /// Whether there was enough evidence to shade with it.
-        trusted: bool,
         /// The lights that reach the cell, in rising order.
         #[serde(deserialize_with = "bounded::list::<{ limit::LIGHTS }, _, _>")]
         lights: Vec<WireLight>,
+        /// The lights that do not, in rising order.
+        #[serde(deserialize_with = "bounded::list::<{ limit::LIGHTS }, _, _>")]
+        hidden: Vec<u32>,
     },
 }
 

@@ -101,10 +101,10 @@ pub struct WireCost {
     pub list_rays: u64,
     /// Triangles in the lists that those rays met.
     pub occluder_tests: u64,
-    /// Camera rays whose surface point was shaded from a trusted LIE.
+    /// Lights evaluated at surface points.
+    pub evaluations: u64,
+    /// Those that the LIEs answered.
     pub trusted: u64,
-    /// Camera rays that met a surface.
-    pub surfaces: u64,
 }
 
 /// All of a finished tile but its pixels.
@@ -114,7 +114,7 @@ pub struct TileReport {
     pub frame: u64,
     /// The tile's number in the frame.
     pub tile: u32,
-    /// The LIEs it was shaded with.
+    /// The LIEs it was shaded with; 0 for none.
     pub lie_version: u64,
     /// What it cost.
     pub cost: WireCost,

@@ -1,15 +1,16 @@
 use glam::Vec3;
 use lie_accel::Occluders;
 
-/// A local illumination environment in the form that shading wants (LIE §4.2).
+/// A local illumination environment in the form that shading wants (LIE §4.2). A light of
+/// the scene that is in none of the lists is fully occluded.
 #[derive(Clone, Debug, Default)]
 pub struct LieCell {
-    /// Whether it may be relied on; if not, every shadow ray goes through the scene.
-    pub trusted: bool,
     /// Lights that every surface point in the cell sees whole, by number.
     pub unoccluded: Vec<u32>,
     /// Lights that some points see in part.
     pub partial: Vec<LieLight>,
+    /// Lights that too little is known of: their shadow rays go through the scene.
+    pub doubtful: Vec<u32>,
 }
 
 /// A partially occluded light.
@@ -33,27 +34,14 @@ impl LieCell {
         size_of::<Self>()
             + size_of_val(&self.unoccluded[..])
             + size_of_val(&self.partial[..])
+            + size_of_val(&self.doubtful[..])
             + occluders
     }
 }
 
 /// Finds the LIE of a point. What it answers must not change while a tile is rendered.
 pub trait LieLookup: Sync {
-    /// The LIE of the smallest cell around a point.
+    /// The LIE of the smallest cell around a point. Numbers of lights that the scene does
+    /// not have are passed over.
     fn cell(&self, point: Vec3) -> &LieCell;
-}
-
-/// Knows nothing: every shadow ray goes through the scene.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NoLies;
-
-impl LieLookup for NoLies {
-    fn cell(&self, _point: Vec3) -> &LieCell {
-        static UNKNOWN: LieCell = LieCell {
-            trusted: false,
-            unoccluded: vec![],
-            partial: vec![],
-        };
-        &UNKNOWN
-    }
 }

@@ -9,7 +9,7 @@ use crate::{Film, FrameSettings, LieLookup, RenderStats, World, render_tile, til
 /// `[0, 1]`, after every tile, by whichever thread finished it.
 pub fn render_frame(
     world: &World,
-    lies: &dyn LieLookup,
+    lies: Option<&dyn LieLookup>,
     camera: &Camera,
     settings: &FrameSettings,
     progress: &mut (dyn FnMut(f32) + Send),

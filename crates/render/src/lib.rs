@@ -11,12 +11,12 @@
 //!
 //! ```no_run
 //! # use std::sync::Arc;
-//! # use lie_render::{FrameSettings, Integrator, NoLies, World, render_frame};
+//! # use lie_render::{FrameSettings, World, render_frame};
 //! # fn scene() -> lie_scene::Scene { unimplemented!() }
 //! let world = World::new(Arc::new(scene()));
-//! let settings = FrameSettings::new(&world.scene().settings, Integrator::Standard);
+//! let settings = FrameSettings::new(&world.scene().settings);
 //! let camera = &world.scene().cameras[0];
-//! let (film, stats) = render_frame(&world, &NoLies, camera, &settings, &mut |_| {});
+//! let (film, stats) = render_frame(&world, None, camera, &settings, &mut |_| {});
 //! println!("{} shadow rays", stats.shadow_rays);
 //! lie_render::write_exr("picture.exr".as_ref(), &film, lie_render::Precision::Float)?;
 //! # Ok::<(), lie_render::ImageError>(())
@@ -37,7 +37,7 @@ mod tone_map;
 mod world;
 
 pub use brdf::Brdf;
-pub use cell::{LieCell, LieLight, LieLookup, NoLies};
+pub use cell::{LieCell, LieLight, LieLookup};
 pub use film::{Film, Precision};
 pub use frame::render_frame;
 pub use image_file::{ImageError, read_image, write_exr, write_png};
@@ -45,7 +45,7 @@ pub use light_rays::LightRay;
 pub use metrics::{Comparison, compare};
 pub use stats::RenderStats;
 pub use tile::{RadianceTile, Tile, TileError, tiles};
-pub use tile_renderer::{FrameSettings, Integrator, TileResult, render_tile};
+pub use tile_renderer::{FrameSettings, TileResult, render_tile};
 pub use tone_map::{ToneCurve, ToneMap};
 pub use world::World;
 

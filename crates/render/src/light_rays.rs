@@ -3,7 +3,7 @@ use lie_geom::{
     RandomKey, Ray,
     sampling::{self, stratified},
 };
-use lie_scene::{Light, LightKind, LightPoint, Surface};
+use lie_scene::{AreaLight, LightKind, LightPoint, Surface};
 
 use crate::{Brdf, World, luminance};
 
@@ -16,84 +16,146 @@ pub struct LightRay {
     pub ray: Ray,
     /// Reflected radiance towards the eye, in W·sr⁻¹·m⁻².
     pub radiance: Vec3,
+    /// Whether it goes where a smooth surface reflects to. Such rays are always traced
+    /// through the scene: what a cell's surfaces see of a light on the whole says little
+    /// about the one place that a point reflects.
+    pub reflected: bool,
+}
+
+/// Everything that a light's rays at one surface point depend on.
+#[derive(Clone, Copy)]
+pub(crate) struct LightPoints<'a> {
+    pub(crate) surface: &'a Surface,
+    pub(crate) brdf: &'a Brdf,
+    /// The camera ray's key.
+    pub(crate) key: RandomKey,
+    /// Sample points on an area light, as columns and rows.
+    pub(crate) strata: (u32, u32),
+}
+
+impl LightPoints<'_> {
+    /// Of an area light's samples, how many are spread over its area and how many follow
+    /// the surface's specular lobe: half each on smooth surfaces.
+    fn split(&self, light: &AreaLight) -> (u32, u32) {
+        let count = self.strata.0 * self.strata.1;
+        let follow = self.brdf.is_smooth() && light.triangles().len() <= MAX_LOBE_TRIANGLES;
+        let by_lobe = if follow { count / 2 } else { 0 };
+        (count - by_lobe, by_lobe)
+    }
+
+    /// The ray to a point of an area light, weighed by the balance heuristic over both
+    /// kinds of samples (Veach and Guibas 1995).
+    #[inline]
+    fn ray_to(&self, index: u32, light: &AreaLight, point: LightPoint) -> Option<LightRay> {
+        let (target, wi, area_density) = point.seen_from(self.surface.position, light)?;
+        let (by_area, by_lobe) = self.split(light);
+        let lobe_density = if by_lobe > 0 {
+            self.brdf.specular_density(wi)
+        } else {
+            0.0
+        };
+        let (area_share, lobe_share) =
+            (by_area as f32 * area_density, by_lobe as f32 * lobe_density);
+        let radiance = self.brdf.times_cosine(wi) * light.radiance / (area_share + lobe_share);
+        LightRay::new(index, self.surface, target, radiance).map(|ray| LightRay {
+            reflected: lobe_share > area_share,
+            ..ray
+        })
+    }
+
+    /// Whether some of the rays to area lights may be [`LightRay::reflected`].
+    pub(crate) fn may_reflect(&self) -> bool {
+        self.brdf.is_smooth()
+    }
 }
 
 impl World {
-    /// Calls `found` with the shadow rays to one light for one camera ray; their radiances
-    /// add up to the light's whole. A light without extent gets one ray, an area light
-    /// `strata` of them, stratified over its area. On smooth surfaces half of them follow
-    /// the specular lobe instead, weighed by the balance heuristic (Veach and Guibas
-    /// 1995). Rays that carry nothing, whatever the visibility, are left out: from behind
-    /// the surface, out of the cone, black.
-    ///
-    /// `key` is the camera ray's.
+    /// Calls `found` with the shadow rays to sample points on one light: one to a light
+    /// without extent, stratified over the area of others. Their radiances, with those of
+    /// [`Self::for_each_lobe_ray`], add up to the light's whole. Rays that carry nothing,
+    /// whatever the visibility, are left out: from behind the surface, out of the cone, black.
     #[inline]
     pub(crate) fn for_each_light_ray(
         &self,
-        (index, light): (u32, &Light),
-        surface: &Surface,
-        brdf: &Brdf,
-        (key, strata): (RandomKey, (u32, u32)),
+        index: u32,
+        points: &LightPoints<'_>,
         mut found: impl FnMut(LightRay),
     ) {
-        let key = key.mix(u64::from(index));
-        let LightKind::Area(area) = &light.kind else {
-            if let Some(sample) = light.sample(surface.position, Vec2::ZERO, self.reach()) {
-                let radiance = brdf.times_cosine(sample.wi) * sample.normal_irradiance;
-                emit(index, surface, sample.target, radiance, &mut found);
-            }
+        let Some(light) = self.scene().lights.get(index as usize) else {
             return;
         };
-        let count = strata.0 * strata.1;
-        let follow_lobe = brdf.is_smooth() && area.triangles().len() <= MAX_LOBE_TRIANGLES;
-        let by_lobe = if follow_lobe { count / 2 } else { 0 };
-        let by_area = count - by_lobe;
-        let mut add = |point: LightPoint| {
-            let Some((target, wi, area_density)) = point.seen_from(surface.position, area) else {
-                return;
-            };
-            let lobe_density = if follow_lobe {
-                brdf.specular_density(wi)
-            } else {
-                0.0
-            };
-            let density = by_area as f32 * area_density + by_lobe as f32 * lobe_density;
-            emit(
-                index,
-                surface,
-                target,
-                brdf.times_cosine(wi) * area.radiance / density,
-                &mut found,
-            );
+        let LightKind::Area(area) = &light.kind else {
+            let sample = light.sample(points.surface.position, Vec2::ZERO, self.reach());
+            let ray = sample.and_then(|sample| {
+                let radiance = points.brdf.times_cosine(sample.wi) * sample.normal_irradiance;
+                LightRay::new(index, points.surface, sample.target, radiance)
+            });
+            ray.map(found);
+            return;
         };
-        let area_strata = sampling::strata(by_area);
-        for sample in 0..by_area {
-            area.point(stratified(area_strata, sample, key.uniform2(sample)))
-                .map(&mut add);
+        let key = points.key.mix(u64::from(index));
+        let (count, _) = points.split(area);
+        let strata = sampling::strata(count);
+        for sample in 0..count {
+            let square = stratified(strata, sample, key.uniform2(sample));
+            let ray = area
+                .point(square)
+                .and_then(|point| points.ray_to(index, area, point));
+            ray.map(&mut found);
         }
-        let lobe_strata = sampling::strata(by_lobe);
-        for sample in 0..by_lobe {
-            let square = stratified(lobe_strata, sample, key.uniform2(by_area + sample));
-            let ray = Ray::new(surface.position, brdf.sample_specular(square));
-            area.points_along(&ray, &mut add);
+    }
+
+    /// Calls `found` with the shadow rays that follow a smooth surface's lobe to one light.
+    #[inline]
+    pub(crate) fn for_each_lobe_ray(
+        &self,
+        index: u32,
+        points: &LightPoints<'_>,
+        mut found: impl FnMut(LightRay),
+    ) {
+        let Some(LightKind::Area(area)) = self
+            .scene()
+            .lights
+            .get(index as usize)
+            .map(|light| &light.kind)
+        else {
+            return;
+        };
+        let (by_area, count) = points.split(area);
+        let key = points.key.mix(u64::from(index));
+        let strata = sampling::strata(count);
+        for sample in 0..count {
+            let square = stratified(strata, sample, key.uniform2(by_area + sample));
+            let ray = Ray::new(points.surface.position, points.brdf.sample_specular(square));
+            area.points_along(&ray, |point| {
+                points.ray_to(index, area, point).map(&mut found);
+            });
         }
     }
 
     /// One ray to a random point on every light that could light the surface: a
     /// construction sample (LIE §4.1). Each ray's `radiance` is an estimate of the light's
-    /// whole.
+    /// whole, but for what is reflected to where LIEs are not asked.
     ///
     /// Of several points on an area light the one is taken, by chance, that gives most
     /// (Talbot et al. 2005, *Importance Resampling for Global Illumination*): next to a
-    /// lamp, or in a reflection, nearly all light comes from a small part of it, and an
-    /// occluder that is missed there is the one that is seen.
+    /// lamp nearly all light comes from a small part of it, and an occluder that is missed
+    /// there is the one that is seen.
     pub fn light_rays(&self, surface: &Surface, key: RandomKey, rays: &mut Vec<LightRay>) {
         let brdf = Brdf::new(self.scene(), surface);
+        let points = LightPoints {
+            surface,
+            brdf: &brdf,
+            key,
+            strata: CANDIDATES,
+        };
         rays.clear();
-        for (index, light) in (0u32..).zip(&self.scene().lights) {
+        for index in 0..self.scene().lights.len() as u32 {
             let mut resampled = Resampled::new(key.mix(u64::from(index)).uniform(u32::MAX));
-            self.for_each_light_ray((index, light), surface, &brdf, (key, CANDIDATES), |ray| {
-                resampled.add(ray)
+            self.for_each_light_ray(index, &points, |ray| {
+                if !ray.reflected {
+                    resampled.add(ray);
+                }
             });
             rays.extend(resampled.finish());
         }
@@ -102,25 +164,6 @@ impl World {
 
 /// Follow the lobe only to lights of at most so many triangles: each is tested.
 const MAX_LOBE_TRIANGLES: usize = 64;
-
-#[inline]
-fn emit(
-    light: u32,
-    surface: &Surface,
-    target: Vec3,
-    radiance: Vec3,
-    found: &mut impl FnMut(LightRay),
-) {
-    // Not `> 0` on each: a light of one colour on a surface of another gives nothing.
-    if radiance.max_element() > 0.0 && radiance.is_finite() {
-        let ray = Ray::segment(surface.shadow_origin, target);
-        found(LightRay {
-            light,
-            ray,
-            radiance,
-        });
-    }
-}
 
 /// Points on an area light of which a construction sample takes one, as strata.
 const CANDIDATES: (u32, u32) = (4, 2);
@@ -165,6 +208,20 @@ impl Resampled {
 }
 
 impl LightRay {
+    /// A ray from a surface; `None` if it carries nothing.
+    #[inline]
+    fn new(light: u32, surface: &Surface, target: Vec3, radiance: Vec3) -> Option<Self> {
+        // Not `> 0` on each: a light of one colour on a surface of another gives nothing.
+        let carries = radiance.max_element() > 0.0 && radiance.is_finite();
+        let ray = Ray::segment(surface.shadow_origin, target);
+        carries.then_some(Self {
+            light,
+            ray,
+            radiance,
+            reflected: false,
+        })
+    }
+
     /// Luminance of what it carries.
     #[must_use]
     pub fn weight(&self) -> f32 {

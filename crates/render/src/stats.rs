@@ -19,10 +19,10 @@ pub struct RenderStats {
     pub list_rays: u64,
     /// Triangles in the lists that those rays met.
     pub occluder_tests: u64,
-    /// Camera rays whose surface point was shaded from a trusted LIE.
+    /// Lights evaluated at surface points: unoccluded, partial and doubtful ones.
+    pub evaluations: u64,
+    /// Those that the LIEs answered.
     pub trusted: u64,
-    /// Camera rays that met a surface.
-    pub surfaces: u64,
 }
 
 impl AddAssign for RenderStats {
@@ -35,20 +35,20 @@ impl AddAssign for RenderStats {
         self.shadow_rays += other.shadow_rays;
         self.list_rays += other.list_rays;
         self.occluder_tests += other.occluder_tests;
+        self.evaluations += other.evaluations;
         self.trusted += other.trusted;
-        self.surfaces += other.surfaces;
     }
 }
 
 impl RenderStats {
-    /// The share of surface points shaded from a trusted LIE, in `[0, 1]`; 1 where there
-    /// was no surface to shade.
+    /// The share of light evaluations that the LIEs answered, in `[0, 1]`; 1 where there
+    /// were none. Lights that are known to be hidden are not evaluated and do not count.
     #[must_use]
     pub fn trusted_fraction(&self) -> f64 {
-        if self.surfaces == 0 {
+        if self.evaluations == 0 {
             1.0
         } else {
-            self.trusted as f64 / self.surfaces as f64
+            self.trusted as f64 / self.evaluations as f64
         }
     }
 }

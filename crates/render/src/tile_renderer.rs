@@ -13,17 +13,8 @@ use lie_scene::{Camera, RenderSettings, Surface};
 
 use crate::{
     Brdf, LieCell, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
-    shadow_queue::ShadowQueue,
+    light_rays::LightPoints, shadow_queue::ShadowQueue,
 };
-
-/// How visibility of lights is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Integrator {
-    /// A full shadow ray for every light and sample: the reference.
-    Standard,
-    /// Local illumination environments (LIE §4.2).
-    Lie,
-}
 
 /// All that a frame's pixels depend on, beside scene, camera and LIEs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,8 +25,6 @@ pub struct FrameSettings {
     pub samples_per_pixel: u32,
     /// Sample points on each area light for each camera ray.
     pub light_samples: u32,
-    /// How visibility is found.
-    pub integrator: Integrator,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -43,12 +32,11 @@ pub struct FrameSettings {
 impl FrameSettings {
     /// The scene's own settings.
     #[must_use]
-    pub fn new(settings: &RenderSettings, integrator: Integrator) -> Self {
+    pub fn new(settings: &RenderSettings) -> Self {
         Self {
             size: settings.size,
             samples_per_pixel: settings.samples_per_pixel,
             light_samples: settings.light_samples,
-            integrator,
             seed: 0,
         }
     }
@@ -63,14 +51,16 @@ pub struct TileResult {
     pub stats: RenderStats,
 }
 
-/// Renders one tile on this thread. `None` if `cancelled` became true on the way.
+/// Renders one tile on this thread. With `lies`, visibility of lights is what they say (LIE
+/// §4.2); without, a full shadow ray is traced for every light and sample: the standard ray
+/// tracer, and the reference. `None` if `cancelled` became true on the way.
 ///
 /// # Panics
 /// If the tile has a side of 0 or more than [`RadianceTile::MAX_SIDE`] pixels.
 #[must_use]
 pub fn render_tile(
     world: &World,
-    lies: &dyn LieLookup,
+    lies: Option<&dyn LieLookup>,
     camera: &Camera,
     settings: &FrameSettings,
     tile: Tile,
@@ -114,7 +104,7 @@ const SQUARE: u32 = 16;
 
 struct TileRenderer<'a> {
     world: &'a World,
-    lies: &'a dyn LieLookup,
+    lies: Option<&'a dyn LieLookup>,
     camera: &'a Camera,
     settings: &'a FrameSettings,
     light_strata: (u32, u32),
@@ -203,12 +193,11 @@ impl<'a> TileRenderer<'a> {
         key: RandomKey,
         surface: Surface,
     ) -> ShadingPoint<'a> {
-        let cell = match self.settings.integrator {
-            Integrator::Standard => None,
-            Integrator::Lie => Some(self.lies.cell(surface.position)).filter(|cell| cell.trusted),
-        };
-        self.stats.surfaces += 1;
-        self.stats.trusted += u64::from(cell.is_some());
+        let cell = self.lies.map(|lies| lies.cell(surface.position));
+        let answered = cell.map_or(0, |cell| cell.unoccluded.len() + cell.partial.len());
+        let doubtful = cell.map_or(self.world.scene().lights.len(), |cell| cell.doubtful.len());
+        self.stats.trusted += answered as u64;
+        self.stats.evaluations += (answered + doubtful) as u64;
         let brdf = Brdf::new(self.world.scene(), &surface);
         ShadingPoint {
             pixel,
@@ -250,7 +239,10 @@ impl<'a> TileRenderer<'a> {
     fn unoccluded(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) {
         for point in points {
             for &index in point.cell.map_or(&[][..], |cell| &cell.unoccluded) {
-                self.light_rays(index, point, |ray| sums[point.pixel] += ray.radiance);
+                self.world
+                    .for_each_light_ray(index, &self.light_points(point), |ray| {
+                        sums[point.pixel] += ray.radiance;
+                    });
             }
         }
     }
@@ -264,12 +256,13 @@ impl<'a> TileRenderer<'a> {
             }
             for entry in point.cell.map_or(&[][..], |cell| &cell.partial) {
                 let mut rays = 0;
-                self.light_rays(entry.light, point, |ray| {
-                    rays += 1;
-                    if !entry.occluders.is_blocked(&ray.ray, Some(cutout)) {
-                        sums[point.pixel] += ray.radiance;
-                    }
-                });
+                self.world
+                    .for_each_light_ray(entry.light, &self.light_points(point), |ray| {
+                        rays += 1;
+                        if !entry.occluders.is_blocked(&ray.ray, Some(cutout)) {
+                            sums[point.pixel] += ray.radiance;
+                        }
+                    });
                 self.stats.list_rays += rays;
                 self.stats.occluder_tests += rays * entry.occluders.len() as u64;
             }
@@ -277,16 +270,29 @@ impl<'a> TileRenderer<'a> {
         Some(())
     }
 
-    /// Points without a trusted LIE: rays through the whole scene, light by light, so that
-    /// neighbouring points' rays to one light share a packet.
+    /// Doubtful lights, all where there are no LIEs, and what smooth surfaces reflect: rays
+    /// through the whole scene, light by light, so that neighbouring points' rays to one
+    /// light share a packet.
     fn full(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
         let mut queue = ShadowQueue::new(self.world.accel());
         for index in 0..self.world.scene().lights.len() as u32 {
             if self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
-            for point in points.iter().filter(|point| point.cell.is_none()) {
-                self.light_rays(index, point, |ray| queue.push(&ray, point.pixel, sums));
+            for point in points {
+                let light_points = self.light_points(point);
+                let mut trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
+                let asks = point
+                    .cell
+                    .is_none_or(|cell| cell.doubtful.binary_search(&index).is_ok());
+                if asks || light_points.may_reflect() {
+                    self.world.for_each_light_ray(index, &light_points, |ray| {
+                        if asks || ray.reflected {
+                            trace(ray);
+                        }
+                    });
+                    self.world.for_each_lobe_ray(index, &light_points, trace);
+                }
             }
         }
         queue.flush(sums);
@@ -294,18 +300,12 @@ impl<'a> TileRenderer<'a> {
         Some(())
     }
 
-    /// The shadow rays from a point to a light. A light that the scene does not have gets none.
-    #[inline]
-    fn light_rays(&self, index: u32, point: &ShadingPoint<'_>, found: impl FnMut(LightRay)) {
-        if let Some(light) = self.world.scene().lights.get(index as usize) {
-            let random = (point.key, self.light_strata);
-            self.world.for_each_light_ray(
-                (index, light),
-                &point.surface,
-                &point.brdf,
-                random,
-                found,
-            );
+    fn light_points<'p>(&self, point: &'p ShadingPoint<'_>) -> LightPoints<'p> {
+        LightPoints {
+            surface: &point.surface,
+            brdf: &point.brdf,
+            key: point.key,
+            strata: self.light_strata,
         }
     }
 }

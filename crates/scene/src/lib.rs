@@ -5,7 +5,23 @@
 //! glTF's candela and cd·m⁻² are taken one to one as these; an exposure setting does the
 //! rest. A cone's angles are measured from its axis. All geometry is in world space:
 //! loaders apply every transform.
+//!
+//! [`Scene`] is the whole; [`load`] reads one from a file, [`gallery`] and [`cornell_box`]
+//! make one by rule, [`export_glb`] and [`export_obj`] write one, and [`Summary`] says what
+//! is in it.
+//!
+//! ```
+//! let scene = lie_scene::cornell_box();
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("cornell.glb");
+//! std::fs::write(&path, lie_scene::export_glb(&scene)?.content)?;
+//! let loaded = lie_scene::load(&path)?;
+//! assert_eq!(loaded.scene.geometry, scene.geometry);
+//! println!("{}", lie_scene::Summary::new(&loaded.scene));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod area_shape;
 mod camera;
 mod draft;
 mod export;

@@ -132,6 +132,7 @@ impl Report {
             "shadow_rays": render.shadow_rays,
             "list_rays": render.list_rays,
             "occluder_tests": render.occluder_tests,
+            "evaluations": render.evaluations,
             "shaders": tiles,
         })
     }

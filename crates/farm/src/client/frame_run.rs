@@ -229,8 +229,8 @@ impl<'a> FrameRun<'a> {
             shadow_rays: cost.shadow_rays,
             list_rays: cost.list_rays,
             occluder_tests: cost.occluder_tests,
+            evaluations: cost.evaluations,
             trusted: cost.trusted,
-            surfaces: cost.surfaces,
         };
     }
 

@@ -1,6 +1,6 @@
 use glam::UVec2;
-use lie_protocol::{BeginFrame, Compression, PixelFormat};
-use lie_render::{Film, Integrator, RenderStats};
+use lie_protocol::{BeginFrame, Compression, PixelFormat, WireIntegrator};
+use lie_render::{Film, RenderStats};
 use lie_scene::Camera;
 
 use crate::convert;
@@ -17,7 +17,7 @@ pub struct FrameRequest {
     /// Sample points per area light and camera ray.
     pub light_samples: u32,
     /// How visibility is found.
-    pub integrator: Integrator,
+    pub integrator: WireIntegrator,
     /// Seed of all random numbers.
     pub seed: u64,
     /// How the pixels travel: `F32` is exact.
@@ -46,7 +46,7 @@ pub struct FrameStats {
     pub lie_version: u64,
     /// Newest LIEs that a tile was shaded with.
     pub lie_version_max: u64,
-    /// Share of surface points that were shaded from a trusted LIE, in `[0, 1]`.
+    /// Share of light evaluations that the LIEs answered, in `[0, 1]`.
     pub trusted_fraction: f64,
     /// Tiles that were in flight at shaders that went away.
     pub lost_tiles: u64,
@@ -81,7 +81,7 @@ impl FrameRequest {
             size: self.size.to_array(),
             samples_per_pixel: self.samples_per_pixel,
             light_samples: self.light_samples,
-            integrator: convert::wire_integrator(self.integrator),
+            integrator: self.integrator,
             seed: self.seed,
             format: self.format,
             compression: self.compression,

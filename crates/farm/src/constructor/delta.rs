@@ -58,7 +58,8 @@ impl Parts {
 }
 
 /// A cell for the wire and the most bytes it may take. One that no message could hold goes
-/// as untrusted and empty: the shader then traces its lights, which is slow and right.
+/// without any light: all are doubtful, and the shader traces them, which is slow and right
+/// (but for a trust of 0, the paper's mode, where nothing is ever doubted).
 fn fitted(state: &CellState) -> (WireCell, usize) {
     let cell = wire_cell(state);
     let bytes = most_bytes(&cell);
@@ -70,8 +71,8 @@ fn fitted(state: &CellState) -> (WireCell, usize) {
         cell.key
     );
     let body = WireBody::Leaf {
-        trusted: false,
         lights: vec![],
+        hidden: vec![],
     };
     (WireCell { body, ..cell }, 32)
 }
@@ -80,10 +81,10 @@ fn fitted(state: &CellState) -> (WireCell, usize) {
 fn most_bytes(cell: &WireCell) -> usize {
     let lights = match &cell.body {
         WireBody::Interior => 0,
-        WireBody::Leaf { lights, .. } => lights
-            .iter()
-            .map(|light| 10 + 5 * light.occluders.len())
-            .sum(),
+        WireBody::Leaf { lights, hidden } => {
+            let lights = lights.iter().map(|light| 10 + 5 * light.occluders.len());
+            lights.sum::<usize>() + 5 * hidden.len()
+        }
     };
     32 + lights
 }

@@ -205,7 +205,7 @@ mod tests {
             let mut tree = LieTree::new(bounds, settings);
             let feed = LieFeed::new(tree.clone());
             let subscription = feed.subscribe(1);
-            let mut replica = Replica::new(tree.cube(), settings.empty_state());
+            let mut replica = Replica::new(tree.cube(), LieState::default());
             for (points, listens) in batches {
                 for point in points {
                     learn(&mut tree, Vec3::from(point));

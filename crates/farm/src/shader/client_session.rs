@@ -124,6 +124,7 @@ impl Session<'_> {
             stage: self.stage.clone(),
             camera: convert::camera(&begin.camera).map_err(broken)?,
             settings: convert::frame_settings(begin).map_err(broken)?,
+            integrator: begin.integrator,
             format: begin.format,
             compression: begin.compression,
             cancelled: AtomicBool::new(false),

@@ -12,8 +12,9 @@ use std::{
 
 use lie_protocol::{
     Compression, PixelFormat, ShaderToClient, TileDone, TileReport, TileRequest, WireCost,
+    WireIntegrator,
 };
-use lie_render::{FrameSettings, RenderStats, Tile, render_tile};
+use lie_render::{FrameSettings, LieLookup, RenderStats, Tile, render_tile};
 use lie_scene::Camera;
 use tokio::sync::{Notify, mpsc};
 
@@ -26,6 +27,7 @@ pub(super) struct FrameWork {
     pub(super) stage: Arc<Stage>,
     pub(super) camera: Camera,
     pub(super) settings: FrameSettings,
+    pub(super) integrator: WireIntegrator,
     pub(super) format: PixelFormat,
     pub(super) compression: Compression,
     /// Nobody wants this frame any more.
@@ -133,10 +135,13 @@ fn work(queue: &Queue) {
 fn render(job: &Job) -> Option<TileDone> {
     let frame = &*job.frame;
     let started = Instant::now();
-    let lies = frame.stage.lies.load_full();
+    let lies = match frame.integrator {
+        WireIntegrator::Standard => None,
+        WireIntegrator::Lie => Some(frame.stage.lies.load_full()),
+    };
     let result = render_tile(
         &frame.stage.world,
-        &*lies,
+        lies.as_deref().map(|lies| lies as &dyn LieLookup),
         &frame.camera,
         &frame.settings,
         job.tile,
@@ -145,7 +150,7 @@ fn render(job: &Job) -> Option<TileDone> {
     let report = TileReport {
         frame: frame.number,
         tile: job.request.tile,
-        lie_version: lies.version(),
+        lie_version: lies.map_or(0, |lies| lies.version()),
         cost: WireCost {
             queued_ns: started.duration_since(job.arrived).as_nanos() as u64,
             render_ns: started.elapsed().as_nanos() as u64,
@@ -171,8 +176,8 @@ fn cost(stats: &RenderStats) -> WireCost {
         shadow_rays: stats.shadow_rays,
         list_rays: stats.list_rays,
         occluder_tests: stats.occluder_tests,
+        evaluations: stats.evaluations,
         trusted: stats.trusted,
-        surfaces: stats.surfaces,
     }
 }
 

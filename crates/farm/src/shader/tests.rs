@@ -18,8 +18,8 @@ fn cell(key: u64, version: u64) -> WireCell {
         key,
         version,
         body: WireBody::Leaf {
-            trusted: true,
             lights: vec![],
+            hidden: vec![],
         },
     }
 }

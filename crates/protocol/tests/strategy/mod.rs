@@ -89,8 +89,8 @@ fn cell() -> impl Strategy<Value = WireCell> {
         .prop_map(|(light, occluders)| WireLight { light, occluders });
     let body = prop_oneof![
         Just(WireBody::Interior),
-        (any::<bool>(), vec(light, 0..5))
-            .prop_map(|(trusted, lights)| WireBody::Leaf { trusted, lights })
+        (vec(light, 0..5), vec(any::<u32>(), 0..5))
+            .prop_map(|(lights, hidden)| WireBody::Leaf { lights, hidden })
     ];
     (any::<u64>(), any::<u64>(), body).prop_map(|(key, version, body)| WireCell {
         key,
@@ -270,8 +270,8 @@ pub(crate) fn shader_to_client() -> impl Strategy<Value = ShaderToClient> {
                     shadow_rays: numbers[9],
                     list_rays: numbers[10],
                     occluder_tests: numbers[11],
-                    trusted: numbers[12],
-                    surfaces: numbers[13],
+                    evaluations: numbers[12],
+                    trusted: numbers[13],
                 },
             },
             pixels,

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::{AreaLight, LightKind, Scene, draft::area_shape};
+use crate::{AreaLight, LightKind, Scene, area_shape::area_shape};
 
 /// The area lights that no emissive mesh part stands for, with their index: they have to be
 /// written as surfaces of their own.

@@ -46,6 +46,9 @@ pub fn export_glb(scene: &Scene) -> Result<Exported<Vec<u8>>, ExportError> {
     Ok(Exported { content, warnings })
 }
 
+/// Narrowest cone that is written, in radians: its cosine is 1 in single precision.
+const MIN_CONE: f64 = 1.0e-4;
+
 /// What glTF has no place for.
 fn lost(scene: &Scene) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -54,6 +57,13 @@ fn lost(scene: &Scene) -> Vec<String> {
     }
     if scene.background.radiance != Vec3::ZERO {
         warnings.push("the background is not written: keep it in a scene.toml".into());
+    }
+    let is_wide = |light: &&Light| matches!(light.kind, LightKind::Spot { cos_outer, .. } if cos_outer < -1.0e-4);
+    for light in scene.lights.iter().filter(is_wide) {
+        let name = &light.name;
+        warnings.push(format!(
+            "spot '{name}' is wider than 90° from its axis; in the file it is not"
+        ));
     }
     warnings
 }
@@ -103,8 +113,10 @@ fn punctual(light: &Light) -> Option<(Value, Value)> {
             let (color, intensity) = power(*radiant_intensity);
             // An acos near 1 is coarse in single precision.
             let angle = |cosine: &f32| f64::from(*cosine).acos();
+            // The standard wants the inner angle strictly within the outer one, and that
+            // within a right angle.
             let (inner, outer) = (angle(cos_inner), angle(cos_outer));
-            // The standard wants the inner angle strictly within the outer one.
+            let outer = outer.clamp(MIN_CONE, std::f64::consts::FRAC_PI_2);
             let inner = inner.min(outer * (1.0 - 1.0e-6));
             let light = json!({
                 "type": "spot", "name": name, "color": color, "intensity": intensity,

@@ -98,7 +98,12 @@ fn the_gallery_survives_a_glb() {
         ..Gallery::default()
     });
     let (loaded, _) = reload_glb(&scene);
-    assert_eq!(loaded.warnings, Vec::<String>::new());
+    // Flat and smooth surfaces share a part here, which is worth a warning and nothing else.
+    let others = loaded
+        .warnings
+        .iter()
+        .filter(|warning| !warning.ends_with("flat there"));
+    assert_eq!(others.count(), 0);
     assert_same_geometry(&scene, &loaded.scene);
     assert_eq!(scene.lights.len(), loaded.scene.lights.len());
     for (a, b) in scene.lights.iter().zip(&loaded.scene.lights) {

@@ -39,7 +39,7 @@ impl Site {
                 corner,
                 edge_u,
                 edge_v,
-                6.0 * COOL,
+                5.5 * NEUTRAL,
             );
         }
         for (index, (x, z)) in [(-8.0, -11.5), (-8.0, -14.4), (8.0, -11.5), (8.0, -14.4)]
@@ -171,7 +171,7 @@ impl Site {
                 Vec3::new(post + 0.14, DAIS_HEIGHT + 0.98, z + 0.14),
             );
             let top = Vec3::new(post, DAIS_HEIGHT + 1.13, z);
-            self.add_globe(&format!("newel globe {sign}"), top, 0.14, 5.0 * WARM);
+            self.add_globe(&format!("newel globe {sign}"), top, 0.14, 7.0 * WARM);
         }
         self.part("balustrade", self.palette.limestone, stone);
         // Low lamps behind it: the balusters' shadows fan out over the court's floor.
@@ -183,7 +183,7 @@ impl Site {
                 &format!("dais spot {index}"),
                 lamp,
                 target,
-                34.0 * WARM,
+                60.0 * WARM,
                 [26.0, 46.0],
                 stem,
             );
@@ -309,7 +309,7 @@ impl Site {
                 &name,
                 key,
                 target,
-                44.0 * strength * NEUTRAL,
+                75.0 * strength * NEUTRAL,
                 [9.0, 17.0],
                 stem(key),
             );
@@ -329,7 +329,7 @@ impl Site {
     fn add_ring(&mut self) {
         let center = Vec3::new(0.0, 4.35, -12.6);
         let material = self.draft.add_material(Material {
-            emission: 9.0 * NEUTRAL,
+            emission: 12.0 * NEUTRAL,
             ..Material::diffuse("ring of light", Vec3::splat(0.8))
         });
         let ring = torus(1.25, 0.05, [self.fine(72), self.fine(10)]);

@@ -158,7 +158,7 @@ impl Site {
     /// A ledge along the two long walls with a strip of light on it that washes the ceiling.
     fn add_coves(&mut self, name: &str, room: Room) {
         let mut ledges = Mesh::default();
-        let (top, depth) = (HEIGHT - 0.42, 0.22);
+        let (top, depth) = (HEIGHT - 0.62, 0.22);
         for (index, x) in [room.min.x, room.max.x - depth].into_iter().enumerate() {
             let corner = Vec3::new(x, top, room.min.z);
             ledges.cuboid(
@@ -169,7 +169,7 @@ impl Site {
             let lip = if index == 0 { x + depth - 0.03 } else { x };
             ledges.cuboid(
                 Vec3::new(lip, top, room.min.z),
-                Vec3::new(lip + 0.03, top + 0.07, room.max.z),
+                Vec3::new(lip + 0.03, top + 0.018, room.max.z),
             );
             let strip = Vec3::new(x + 0.08, top + 0.015, room.min.z + 0.4);
             let along = (room.size().z - 0.8) * Vec3::Z;
@@ -178,7 +178,7 @@ impl Site {
                 strip,
                 along,
                 0.06 * Vec3::X,
-                16.0 * WARM,
+                34.0 * WARM,
             );
         }
         self.part(format!("{name} cornice"), self.palette.trim, ledges);

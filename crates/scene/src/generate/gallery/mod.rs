@@ -17,6 +17,7 @@ mod court;
 mod fittings;
 mod galleries;
 mod hall;
+mod lamps;
 mod palette;
 mod paths;
 mod walls;
@@ -98,7 +99,7 @@ impl Site {
 /// Lamp colours: relative to white, at equal luminance or so.
 const WARM: Vec3 = Vec3::new(1.25, 0.95, 0.62);
 const NEUTRAL: Vec3 = Vec3::new(1.1, 0.98, 0.84);
-const COOL: Vec3 = Vec3::new(0.86, 1.0, 1.22);
+const COOL: Vec3 = Vec3::new(0.93, 1.0, 1.1);
 
 #[cfg(test)]
 mod tests;

@@ -11,7 +11,7 @@ const EYE: f32 = 1.62;
 impl Site {
     pub(super) fn add_paths(&mut self) {
         for (name, eye, target, degrees) in [
-            ("court", [-3.4, EYE, -8.75], [1.3, 1.45, -13.6], 58.0f32),
+            ("court", [-5.3, EYE, -8.8], [-1.1, 2.0, -13.3], 62.0f32),
             ("hall", [1.25, EYE, 6.55], [-0.75, 1.85, 0.0], 62.0),
             ("west gallery", [-2.6, EYE, -1.7], [-7.2, 1.55, -5.6], 60.0),
             ("east gallery", [2.7, EYE, -7.3], [7.4, 1.35, -2.9], 60.0),

@@ -79,7 +79,7 @@ fn no_lamp_touches_anything() {
 fn the_tour_walks_at_a_human_pace_and_not_through_walls() {
     let scene = scene();
     let walk = &scene.walkthroughs[0];
-    let step_s = 0.05;
+    let step_s = 0.2;
     let steps = (walk.duration_s() / step_s) as u32;
     let mut length = 0.0;
     for step in 0..steps {

@@ -129,6 +129,19 @@ fn validate(file: &File<'_>, mut root: json::Root) -> Result<gltf::Document, Loa
             return Err(file.error(format!("image {index}"), "expected a URI or a buffer view"));
         }
     }
+    // The crate's validation itself panics at a primitive that names no accessor.
+    for (index, mesh) in root.meshes.iter().enumerate() {
+        for (number, primitive) in mesh.primitives.iter().enumerate() {
+            let count = root.accessors.len();
+            let mut named = primitive.attributes.values().chain(&primitive.indices);
+            if let Some(bad) = named.find(|accessor| accessor.value() >= count) {
+                return Err(file.error(
+                    format!("mesh {index} primitive {number}"),
+                    format!("accessor {} does not exist: there are {count}", bad.value()),
+                ));
+            }
+        }
+    }
     for (index, accessor) in root.accessors.iter().enumerate() {
         if accessor.count.0 > super::MAX_VERTICES as u64 * 6 {
             let problem = format!("{} elements are too many", accessor.count.0);

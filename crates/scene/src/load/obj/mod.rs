@@ -25,22 +25,24 @@ pub(super) fn load(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
     let mut draft = Draft::default();
     let text = scan::decode(path, bytes)?;
     let scan = scan::scan(path, &text, &mut draft.warnings)?;
-    let library = material::read_libraries(path, &scan.libraries, &mut draft)?;
+    let mut library = material::read_libraries(path, &scan.libraries, &mut draft)?;
+    for name in &scan.materials {
+        if !library.iter().any(|material| material.name == *name) {
+            let shown = super::source::shorten(name);
+            draft.warnings.push(format!(
+                "material '{shown}' is nowhere defined: a grey one stands in"
+            ));
+            library.push(tobj::Material {
+                name: name.clone(),
+                ..tobj::Material::default()
+            });
+        }
+    }
     let names: HashMap<&str, usize> = library
         .iter()
         .enumerate()
         .map(|(index, material)| (material.name.as_str(), index))
         .collect();
-    for name in scan
-        .materials
-        .iter()
-        .filter(|name| !names.contains_key(name.as_str()))
-    {
-        let name = super::source::shorten(name);
-        draft.warnings.push(format!(
-            "material '{name}' is nowhere defined: a grey one stands in"
-        ));
-    }
     let options = tobj::LoadOptions {
         single_index: true,
         triangulate: false,
