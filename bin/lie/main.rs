@@ -4,8 +4,12 @@
 mod args;
 mod cmd;
 mod failure;
+mod process;
 
-use std::{io::Write, process::ExitCode};
+use std::{
+    io::{IsTerminal, Write},
+    process::ExitCode,
+};
 
 use clap::{Parser, Subcommand};
 
@@ -32,6 +36,9 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    Run(cmd::run::Run),
+    Constructor(cmd::constructor::Constructor),
+    Shader(cmd::shader::Shader),
     Render(cmd::render::Render),
     Compare(cmd::compare::Compare),
     #[command(subcommand)]
@@ -52,11 +59,23 @@ fn main() -> ExitCode {
 
 fn execute(arguments: Arguments) -> anyhow::Result<()> {
     start_logging(&arguments.log)?;
+    run_command(arguments)
+}
+
+fn run_command(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
+        Some(Command::Run(run)) => cmd::run::execute(&run, &arguments.log),
+        Some(Command::Constructor(constructor)) => cmd::constructor::execute(&constructor),
+        Some(Command::Shader(shader)) => cmd::shader::execute(&shader),
         Some(Command::Render(render)) => cmd::render::execute(&render),
         Some(Command::Compare(compare)) => cmd::compare::execute(&compare),
         Some(Command::Scene(scene)) => cmd::scene::execute(&scene),
-        None => Ok(()),
+        None => run_command(Arguments::parse_from([
+            "lie",
+            "run",
+            "--log",
+            &arguments.log,
+        ])),
     }
 }
 
@@ -67,6 +86,7 @@ fn start_logging(filter: &str) -> anyhow::Result<()> {
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
         .with_target(false)
         .compact()
         .init();

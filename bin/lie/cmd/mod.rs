@@ -1,5 +1,8 @@
 //! One file per subcommand.
 
 pub(crate) mod compare;
+pub(crate) mod constructor;
 pub(crate) mod render;
+pub(crate) mod run;
 pub(crate) mod scene;
+pub(crate) mod shader;

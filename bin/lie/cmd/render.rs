@@ -79,7 +79,7 @@ pub(crate) struct Render {
 pub(crate) struct Construction {
     /// Construct exactly this many samples (in whole batches) instead of until converged.
     #[arg(long, value_name = "N")]
-    samples: Option<u64>,
+    pub(crate) samples: Option<u64>,
     /// Samples that must agree on a light in a cell before it is relied on; until then its
     /// shadow rays are traced through the scene. 0 is the paper.
     #[arg(long, value_name = "N")]
@@ -93,6 +93,21 @@ pub(crate) struct Construction {
 }
 
 impl Construction {
+    /// The same again, for another process.
+    pub(crate) fn to_arguments(&self) -> Vec<std::ffi::OsString> {
+        let given = [
+            ("--samples", self.samples),
+            ("--trust", self.trust.map(u64::from)),
+            ("--max-depth", self.max_depth.map(u64::from)),
+            ("--split", self.split.map(u64::from)),
+        ];
+        given
+            .into_iter()
+            .filter_map(|(name, value)| Some([name.into(), value?.to_string().into()]))
+            .flatten()
+            .collect()
+    }
+
     /// Settings for a scene, with what the command line says.
     pub(crate) fn settings(&self, scene: &lie_scene::Scene) -> ConstructSettings {
         let mut settings = ConstructSettings::new(&scene.settings);

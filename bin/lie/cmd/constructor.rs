@@ -1,0 +1,103 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::UVec2;
+use lie_farm::{
+    ConstructSettings, View,
+    constructor::{self, ConstructorConfig, Freeze, Prepared},
+};
+use lie_scene::Scene;
+
+use super::render::Construction;
+use crate::{
+    args,
+    process::{self, Network, Supervision},
+};
+
+/// Holds the scene, learns which lights reach where, and tells the shaders.
+///
+/// Prints `listening ADDR` when shaders and clients can connect, and nothing else; logs go
+/// to standard error. Shaders get the scene from here: they need no files.
+#[derive(Args)]
+pub(crate) struct Constructor {
+    /// A scene: .toml, .glb, .gltf or .obj, or a folder with a scene.toml.
+    scene: PathBuf,
+    /// Where to take shaders and clients; port 0 is any free one.
+    #[arg(long, default_value = "127.0.0.1:7400", value_parser = process::address, env = "LIE_LISTEN", value_name = "ADDR")]
+    listen: String,
+    /// Threads that construct; 0 is one for each core.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    threads: usize,
+    /// Seed of the construction samples.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
+    #[command(flatten)]
+    frozen: Frozen,
+    #[command(flatten)]
+    construction: Construction,
+    #[command(flatten)]
+    network: Network,
+    #[command(flatten)]
+    supervision: Supervision,
+}
+
+/// Construction before anybody connects.
+#[derive(Args)]
+#[command(next_help_heading = "Frozen construction")]
+pub(crate) struct Frozen {
+    /// Construct before anybody connects, and never again: every start gives the same
+    /// LIEs, and so the same pictures. Constructs `--samples` samples of one view, or until
+    /// that view has converged.
+    #[arg(long)]
+    pub(crate) freeze: bool,
+    /// Freeze what the first frame of this walkthrough sees; the scene's first walkthrough
+    /// by default, or its first camera if it has none.
+    #[arg(long, requires = "freeze", value_name = "NAME")]
+    freeze_walk: Option<String>,
+    /// Size of the frozen view in pixels; the scene's setting by default.
+    #[arg(long, requires = "freeze", value_parser = args::size, value_name = "WxH")]
+    freeze_size: Option<UVec2>,
+}
+
+impl Frozen {
+    fn view(&self, scene: &Scene) -> anyhow::Result<View> {
+        let camera = if scene.walkthroughs.is_empty() && self.freeze_walk.is_none() {
+            args::find_camera(scene, None)?.clone()
+        } else {
+            args::find_walkthrough(scene, self.freeze_walk.as_deref())?.camera_at(0.0)
+        };
+        Ok(View {
+            camera,
+            size: self.freeze_size.unwrap_or(scene.settings.size),
+        })
+    }
+}
+
+pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
+    let runtime = process::runtime()?;
+    let shutdown = process::shutdown(&runtime, Some(arguments.supervision));
+    let listener = process::listen(&runtime, &arguments.listen, arguments.network)?;
+
+    let scene = args::load_scene(&arguments.scene)?;
+    let freeze = arguments.frozen.freeze.then(|| {
+        Ok::<_, anyhow::Error>(Freeze {
+            samples: arguments.construction.samples,
+            view: arguments.frozen.view(&scene)?,
+        })
+    });
+    let config = ConstructorConfig {
+        exposure: arguments.network.exposure(),
+        construct: ConstructSettings {
+            threads: process::threads(arguments.threads)?,
+            seed: arguments.seed,
+            ..arguments.construction.settings(&scene)
+        },
+        freeze: freeze.transpose()?,
+    };
+    let prepared = Prepared::new(scene, &config)?;
+
+    process::announce(&listener)?;
+    runtime.block_on(constructor::run(config, prepared, listener, shutdown))?;
+    runtime.shutdown_background();
+    Ok(())
+}

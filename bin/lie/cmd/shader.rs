@@ -1,0 +1,78 @@
+use std::path::PathBuf;
+
+use clap::Args;
+use lie_farm::{
+    cache::SceneCache,
+    shader::{self, ShaderConfig, ShaderError},
+};
+
+use crate::process::{self, Network, Supervision};
+
+/// Renders tiles for clients with what the constructor has learnt.
+///
+/// Prints `listening ADDR` when clients can connect, and nothing else; logs go to standard
+/// error. The constructor may come later than the shader, go, and come back.
+#[derive(Args)]
+pub(crate) struct Shader {
+    /// Where the constructor is.
+    #[arg(long, value_parser = process::address, env = "LIE_CONSTRUCTOR", value_name = "ADDR")]
+    constructor: String,
+    /// Where to take clients; by default any free port, on this machine alone, or on all
+    /// networks with `--insecure`.
+    #[arg(long, value_parser = process::address, value_name = "ADDR")]
+    listen: Option<String>,
+    /// Threads that render; 0 is one for each core.
+    #[arg(long, default_value_t = 0, env = "LIE_THREADS", value_name = "N")]
+    threads: usize,
+    /// Where scenes are kept [default: $XDG_CACHE_HOME/lie or ~/.cache/lie]
+    #[arg(long, env = "LIE_CACHE", value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Keep no scenes.
+    #[arg(long, conflicts_with = "cache")]
+    no_cache: bool,
+    #[command(flatten)]
+    network: Network,
+    #[command(flatten)]
+    supervision: Supervision,
+}
+
+pub(crate) fn execute(arguments: &Shader) -> anyhow::Result<()> {
+    let runtime = process::runtime()?;
+    let shutdown = process::shutdown(&runtime, Some(arguments.supervision));
+    let any = if arguments.network.insecure {
+        "0.0.0.0:0"
+    } else {
+        "127.0.0.1:0"
+    };
+    let address = arguments.listen.as_deref().unwrap_or(any);
+    let listener = process::listen(&runtime, address, arguments.network)?;
+    let config = ShaderConfig {
+        constructor: arguments.constructor.clone(),
+        exposure: arguments.network.exposure(),
+        threads: process::threads(arguments.threads)?,
+        cache: open_cache(arguments),
+    };
+    process::announce(&listener)?;
+    let ended = runtime.block_on(shader::run(config, listener, shutdown));
+    runtime.shutdown_background();
+    ended.map_err(|error| match error {
+        ShaderError::Constructor(error) => process::network_failure(error),
+        other => other.into(),
+    })
+}
+
+/// The cache, or a warning: a shader works without.
+fn open_cache(arguments: &Shader) -> Option<SceneCache> {
+    if arguments.no_cache {
+        return None;
+    }
+    let chosen = arguments.cache.clone();
+    let directory = chosen.or_else(SceneCache::default_directory)?;
+    match SceneCache::open(&directory) {
+        Ok(cache) => Some(cache),
+        Err(error) => {
+            tracing::warn!("no scenes are kept, {}: {error}", directory.display());
+            None
+        }
+    }
+}

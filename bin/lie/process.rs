@@ -1,0 +1,171 @@
+//! What the processes of a farm have in common.
+
+use std::{
+    io::{Read, Write},
+    time::Duration,
+};
+
+use clap::Args;
+use lie_farm::network::{Exposure, NetworkError};
+use tokio::{net::TcpListener, runtime::Runtime};
+use tokio_util::sync::CancellationToken;
+
+use crate::{args::say, failure::Usage, failure::usage};
+
+/// How long an orderly end may take before the process ends anyhow.
+const PATIENCE: Duration = Duration::from_millis(700);
+
+/// Whom a process talks to.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Network")]
+pub(crate) struct Network {
+    /// Talk to other machines too. Connections are neither encrypted nor authenticated:
+    /// only for networks on which everybody may see and change everything.
+    #[arg(long, env = "LIE_INSECURE")]
+    pub(crate) insecure: bool,
+}
+
+impl Network {
+    pub(crate) fn exposure(self) -> Exposure {
+        if self.insecure {
+            Exposure::Insecure
+        } else {
+            Exposure::Loopback
+        }
+    }
+}
+
+/// How a process is ended.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct Supervision {
+    /// End when standard input ends.
+    #[arg(long, hide = true)]
+    supervised: bool,
+}
+
+/// Parses `host:port`.
+pub(crate) fn address(text: &str) -> Result<String, String> {
+    let expected = "expected HOST:PORT, such as 127.0.0.1:7400 or [::1]:7400";
+    let (host, port) = text.rsplit_once(':').ok_or(expected)?;
+    let bare_v6 = host.contains(':') && !(host.starts_with('[') && host.ends_with(']'));
+    if host.is_empty() || bare_v6 || port.parse::<u16>().is_err() {
+        return Err(expected.to_owned());
+    }
+    Ok(text.to_owned())
+}
+
+/// The threads that wait for the network; rendering and construction have their own.
+pub(crate) fn runtime() -> anyhow::Result<Runtime> {
+    Ok(tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .thread_name("network")
+        .enable_all()
+        .build()?)
+}
+
+/// Which errors are the user's to mend.
+pub(crate) fn network_failure(error: NetworkError) -> anyhow::Error {
+    match error {
+        NetworkError::Address { .. } | NetworkError::NotLoopback(_) => usage(error).into(),
+        other => other.into(),
+    }
+}
+
+/// Listens, or says why not.
+pub(crate) fn listen(
+    runtime: &Runtime,
+    address: &str,
+    network: Network,
+) -> anyhow::Result<TcpListener> {
+    let bound = runtime.block_on(lie_farm::network::bind(address, network.exposure()));
+    bound.map_err(network_failure)
+}
+
+/// Says where we listen: the only line on standard output.
+pub(crate) fn announce(listener: &TcpListener) -> anyhow::Result<()> {
+    let announcement = lie_farm::launch::ANNOUNCEMENT;
+    say(format_args!("{announcement}{}", listener.local_addr()?))?;
+    Ok(std::io::stdout().flush()?)
+}
+
+/// A token that is cancelled when the process shall end: by an interrupt, a termination
+/// signal, or, for a supervised child, the end of standard input.
+pub(crate) fn shutdown(runtime: &Runtime, supervision: Option<Supervision>) -> CancellationToken {
+    let token = CancellationToken::new();
+    let signalled = token.clone();
+    runtime.spawn(async move {
+        if wait_for_signal().await {
+            signalled.cancel();
+        }
+    });
+    if let Some(supervision) = supervision {
+        if supervision.supervised {
+            let ended = token.clone();
+            std::thread::spawn(move || {
+                wait_for_the_end_of_input();
+                ended.cancel();
+            });
+        }
+        let cancelled = token.clone();
+        runtime.spawn(async move {
+            cancelled.cancelled().await;
+            tokio::time::sleep(PATIENCE).await;
+            tracing::warn!("the process did not end in time and is cut off");
+            std::process::exit(0);
+        });
+    }
+    token
+}
+
+async fn wait_for_signal() -> bool {
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        let Ok(mut terminate) = signal(SignalKind::terminate()) else {
+            return tokio::signal::ctrl_c().await.is_ok();
+        };
+        tokio::select! {
+            interrupted = tokio::signal::ctrl_c() => interrupted.is_ok(),
+            _ = terminate.recv() => true,
+        }
+    }
+    #[cfg(not(unix))]
+    tokio::signal::ctrl_c().await.is_ok()
+}
+
+fn wait_for_the_end_of_input() {
+    let mut buffer = [0; 64];
+    // Whatever comes is ignored; an error is an end as well.
+    while matches!(std::io::stdin().read(&mut buffer), Ok(bytes) if bytes > 0) {}
+}
+
+/// As many threads as there are cores.
+pub(crate) fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Threads for rendering or construction; 0 is one for each core.
+pub(crate) fn threads(wanted: usize) -> Result<usize, Usage> {
+    /// More than any machine has.
+    const MOST: usize = 1024;
+    match wanted {
+        0 => Ok(cores()),
+        1..=MOST => Ok(wanted),
+        _ => Err(usage(format!("{wanted} threads are more than {MOST}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_a_host_and_a_port() {
+        for right in ["127.0.0.1:7400", "node-1:0", "[::1]:65535"] {
+            assert_eq!(address(right).as_deref(), Ok(right));
+        }
+        for wrong in ["", "7400", ":7400", "host:", "host:99999", "::1:7400"] {
+            assert!(address(wrong).is_err(), "{wrong}");
+        }
+    }
+}

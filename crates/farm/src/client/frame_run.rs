@@ -1,0 +1,272 @@
+use std::{
+    collections::BTreeMap,
+    time::{Duration, Instant},
+};
+
+use glam::Vec3;
+use lie_protocol::{CancelBefore, ClientToShader, TileDone, TileRequest, limit};
+use lie_render::{Film, RadianceTile, RenderStats, Tile, tiles};
+use tokio::{sync::mpsc, time::sleep_until};
+
+use super::{
+    ClientConfig, ClientError, Frame, FrameRequest, FrameStats, ShaderShare,
+    hub::{Event, Hub, Link},
+};
+use crate::{
+    pixels,
+    scheduler::{Completion, Scheduler, ShaderId, centre_out},
+};
+
+/// How often somebody who waits for shaders is told so.
+const REMINDER: Duration = Duration::from_secs(2);
+
+/// One frame in work.
+pub(super) struct FrameRun<'a> {
+    number: u64,
+    request: &'a FrameRequest,
+    config: &'a ClientConfig,
+    tiles: Vec<Tile>,
+    scheduler: Scheduler,
+    links: BTreeMap<ShaderId, (Link, u64)>,
+    film: Film,
+    stats: FrameStats,
+    started: Instant,
+    /// Since when there has been no shader.
+    alone_since: Instant,
+    reminded: Instant,
+}
+
+impl<'a> FrameRun<'a> {
+    /// # Errors
+    /// [`ClientError::Request`].
+    pub(super) fn new(
+        number: u64,
+        request: &'a FrameRequest,
+        config: &'a ClientConfig,
+    ) -> Result<Self, ClientError> {
+        let started = Instant::now();
+        let sides = 1..=limit::FRAME_SIDE;
+        if !(sides.contains(&request.size.x) && sides.contains(&request.size.y)) {
+            return Err(ClientError::Request);
+        }
+        let tiles = tiles(request.size);
+        let centre = |tile: &Tile| {
+            let centre = tile.origin + tile.size / 2;
+            (centre.x, centre.y)
+        };
+        let centres: Vec<_> = tiles.iter().map(centre).collect();
+        let order = centre_out(&centres, request.size.into());
+        Ok(Self {
+            number,
+            request,
+            config,
+            scheduler: Scheduler::new(order, config.late),
+            tiles,
+            links: BTreeMap::new(),
+            film: Film::new(request.size),
+            stats: FrameStats {
+                lie_version: u64::MAX,
+                ..FrameStats::default()
+            },
+            started,
+            alone_since: started,
+            reminded: started,
+        })
+    }
+
+    /// Hands out tiles and takes them in until the film is full.
+    pub(super) async fn finish(mut self, hub: &Hub) -> Result<Frame, ClientError> {
+        let (links, mut events) = hub.attach(self.number);
+        for (id, link) in links {
+            self.join(id, link);
+        }
+        while !self.scheduler.is_done() {
+            self.assign();
+            self.next_event(&mut events).await?;
+        }
+        self.call_off_the_rest();
+        Ok(self.into_frame())
+    }
+
+    async fn next_event(&mut self, events: &mut mpsc::Receiver<Event>) -> Result<(), ClientError> {
+        let wake = match self.scheduler.next_deadline() {
+            Some(deadline) => deadline,
+            None => Instant::now() + REMINDER,
+        };
+        tokio::select! {
+            event = events.recv() => match event {
+                Some(Event::Joined(id, link)) => self.join(id, link),
+                Some(Event::Left(id)) => self.lose(id),
+                Some(Event::Tile(id, done)) => self.take(id, &done),
+                // The hub holds the other end for as long as this frame is the newest.
+                None => return Err(ClientError::NoShaders(Duration::ZERO)),
+            },
+            () = sleep_until(wake.into()) => {}
+        }
+        self.check_company()
+    }
+
+    /// Fails if there has been nobody for too long, and says so before.
+    fn check_company(&mut self) -> Result<(), ClientError> {
+        let now = Instant::now();
+        if self.scheduler.shaders() > 0 {
+            self.alone_since = now;
+            return Ok(());
+        }
+        let alone = now.duration_since(self.alone_since);
+        if alone >= self.config.shader_timeout {
+            return Err(ClientError::NoShaders(alone));
+        }
+        if now.duration_since(self.reminded) >= REMINDER {
+            self.reminded = now;
+            tracing::info!(
+                "waiting for a shader, for {} s now ({} of {} tiles are missing)",
+                alone.as_secs(),
+                self.scheduler.unfinished(),
+                self.tiles.len()
+            );
+        }
+        Ok(())
+    }
+
+    fn join(&mut self, id: ShaderId, link: Link) {
+        if self.links.contains_key(&id) {
+            return;
+        }
+        let begin = ClientToShader::BeginFrame(self.request.begin(self.number));
+        if link.outbox.try_send(begin).is_err() {
+            // It is going or stuck: its session will say so, or die of silence.
+            link.cut.cancel();
+            return;
+        }
+        self.scheduler.joined(id, 2 * link.threads as usize);
+        self.links.insert(id, (link, 0));
+    }
+
+    fn lose(&mut self, id: ShaderId) {
+        self.scheduler.lost(id);
+    }
+
+    /// A shader that breaks the rules, or does not take what it asked for, is out.
+    fn expel(&mut self, id: ShaderId, why: &str) {
+        if let Some((link, _)) = self.links.get(&id) {
+            tracing::warn!("shader {} is cut off: {why}", link.address);
+            link.cut.cancel();
+        }
+        self.lose(id);
+    }
+
+    fn assign(&mut self) {
+        for (id, index) in self.scheduler.assign(Instant::now()) {
+            let tile = self.tiles[index as usize];
+            let request = ClientToShader::TileRequest(TileRequest {
+                frame: self.number,
+                tile: index,
+                origin: tile.origin.to_array(),
+                size: tile.size.to_array(),
+            });
+            let sent = self
+                .links
+                .get(&id)
+                .map(|(link, _)| link.outbox.try_send(request));
+            if !matches!(sent, Some(Ok(()))) {
+                self.expel(id, "it does not take requests");
+            }
+        }
+    }
+
+    fn take(&mut self, id: ShaderId, done: &TileDone) {
+        let tile = match self.unpack(done) {
+            Ok(tile) => tile,
+            Err(problem) => return self.expel(id, &problem),
+        };
+        let completion = self
+            .scheduler
+            .completed(done.report.tile, id, Instant::now());
+        if completion == Completion::Duplicate {
+            return;
+        }
+        if !self.film.put(&tile) {
+            return self.expel(id, "its tile does not fit");
+        }
+        if let Some((_, tiles)) = self.links.get_mut(&id) {
+            *tiles += 1;
+        }
+        self.count(done);
+    }
+
+    fn unpack(&self, done: &TileDone) -> Result<RadianceTile, String> {
+        let tile = self.tiles.get(done.report.tile as usize);
+        let tile = *tile.ok_or("there is no such tile")?;
+        let count = (tile.size.x * tile.size.y) as usize;
+        let pixels = pixels::unpack(
+            &done.pixels,
+            count,
+            self.request.format,
+            self.request.compression,
+        );
+        let pixels = pixels.map_err(|error| error.to_string())?;
+        let radiance = pixels.into_iter().map(Vec3::from).collect();
+        RadianceTile::new(tile, radiance).map_err(|error| error.to_string())
+    }
+
+    fn count(&mut self, done: &TileDone) {
+        let (stats, cost) = (&mut self.stats, &done.report.cost);
+        if stats.latency_ms == 0.0 {
+            stats.latency_ms = milliseconds(self.started.elapsed());
+        }
+        stats.lie_version = stats.lie_version.min(done.report.lie_version);
+        stats.lie_version_max = stats.lie_version_max.max(done.report.lie_version);
+        stats.pixel_bytes += done.pixels.len() as u64;
+        stats.queued_ms += cost.queued_ns as f64 * 1.0e-6;
+        stats.render_ms += cost.render_ns as f64 * 1.0e-6;
+        stats.render += RenderStats {
+            visibility_ns: cost.visibility_ns,
+            unoccluded_ns: cost.unoccluded_ns,
+            partial_ns: cost.partial_ns,
+            full_ns: cost.full_ns,
+            primary_rays: cost.primary_rays,
+            shadow_rays: cost.shadow_rays,
+            list_rays: cost.list_rays,
+            occluder_tests: cost.occluder_tests,
+            evaluations: cost.evaluations,
+            trusted: cost.trusted,
+        };
+    }
+
+    /// Tiles that two shaders had are still in work at the slower one.
+    fn call_off_the_rest(&self) {
+        for (&id, (link, _)) in &self.links {
+            if self.scheduler.in_flight(id) > 0 {
+                let frame = self.number + 1;
+                let cancel = ClientToShader::CancelBefore(CancelBefore { frame });
+                // If it does not get there, the next frame says the same.
+                let _ = link.outbox.try_send(cancel);
+            }
+        }
+    }
+
+    fn into_frame(self) -> Frame {
+        let shares = self.links.into_values();
+        Frame {
+            film: self.film,
+            stats: FrameStats {
+                frame_ms: milliseconds(self.started.elapsed()),
+                trusted_fraction: self.stats.render.trusted_fraction(),
+                lost_tiles: self.scheduler.lost_tiles(),
+                reissued_tiles: self.scheduler.reissued_tiles(),
+                shaders: shares
+                    .map(|(link, tiles)| ShaderShare {
+                        address: link.address,
+                        tiles,
+                    })
+                    .collect(),
+                ..self.stats
+            },
+        }
+    }
+}
+
+fn milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1.0e3
+}

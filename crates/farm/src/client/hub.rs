@@ -1,0 +1,127 @@
+use std::{
+    collections::BTreeMap,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+
+use lie_protocol::{ClientToShader, SceneHash, TileDone};
+use tokio::sync::{mpsc, watch};
+use tokio_util::sync::CancellationToken;
+
+use crate::scheduler::ShaderId;
+
+/// Events that may wait for a frame; who has more to tell waits.
+const EVENTS: usize = 256;
+
+/// Where the sessions with shaders and the frame in work meet.
+pub(super) struct Hub {
+    /// The scene that every shader must have.
+    pub(super) scene: SceneHash,
+    state: Mutex<State>,
+    count: watch::Sender<usize>,
+}
+
+#[derive(Default)]
+struct State {
+    links: BTreeMap<ShaderId, Link>,
+    last_id: ShaderId,
+    /// The frame in work and who waits for its tiles.
+    frame: Option<(u64, mpsc::Sender<Event>)>,
+}
+
+/// A session with a shader, from outside. Numbers are never given twice.
+#[derive(Clone)]
+pub(super) struct Link {
+    pub(super) address: String,
+    pub(super) threads: u32,
+    pub(super) outbox: mpsc::Sender<ClientToShader>,
+    /// Ends the session.
+    pub(super) cut: CancellationToken,
+}
+
+/// What a frame hears.
+pub(super) enum Event {
+    Joined(ShaderId, Link),
+    Left(ShaderId),
+    Tile(ShaderId, TileDone),
+}
+
+impl Hub {
+    pub(super) fn new(scene: SceneHash) -> Self {
+        Self {
+            scene,
+            state: Mutex::default(),
+            count: watch::Sender::new(0),
+        }
+    }
+
+    /// Makes a frame the one that hears events, and gives it the sessions there are.
+    pub(super) fn attach(&self, frame: u64) -> (Vec<(ShaderId, Link)>, mpsc::Receiver<Event>) {
+        let (sender, receiver) = mpsc::channel(EVENTS);
+        let mut state = self.lock();
+        state.frame = Some((frame, sender));
+        let links = state.links.iter().map(|(&id, link)| (id, link.clone()));
+        (links.collect(), receiver)
+    }
+
+    /// A session has begun.
+    pub(super) async fn join(&self, link: Link) -> ShaderId {
+        let (id, listener) = {
+            let mut state = self.lock();
+            state.last_id += 1;
+            let id = state.last_id;
+            state.links.insert(id, link.clone());
+            (id, state.listener(None))
+        };
+        self.count.send_modify(|count| *count += 1);
+        tell(listener, Event::Joined(id, link)).await;
+        id
+    }
+
+    /// A session has ended.
+    pub(super) async fn leave(&self, id: ShaderId) {
+        let listener = {
+            let mut state = self.lock();
+            state.links.remove(&id);
+            state.listener(None)
+        };
+        self.count.send_modify(|count| *count -= 1);
+        tell(listener, Event::Left(id)).await;
+    }
+
+    /// A tile has come; one of another frame than that in work is nobody's business.
+    pub(super) async fn tile(&self, id: ShaderId, done: TileDone) {
+        let listener = self.lock().listener(Some(done.report.frame));
+        tell(listener, Event::Tile(id, done)).await;
+    }
+
+    /// Sessions there are.
+    pub(super) fn len(&self) -> usize {
+        *self.count.borrow()
+    }
+
+    /// Waits for that many sessions.
+    pub(super) async fn wait_for(&self, count: usize) {
+        // The sender lives as long as `self`, so this cannot fail.
+        let _ = self.count.subscribe().wait_for(|&now| now >= count).await;
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Nothing in here can panic half-way.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    fn listener(&self, of_frame: Option<u64>) -> Option<mpsc::Sender<Event>> {
+        let (frame, sender) = self.frame.as_ref()?;
+        let concerns = of_frame.is_none_or(|number| number == *frame);
+        concerns.then(|| sender.clone())
+    }
+}
+
+async fn tell(listener: Option<mpsc::Sender<Event>>, event: Event) {
+    if let Some(listener) = listener {
+        // A frame that is finished does not listen any more.
+        let _ = listener.send(event).await;
+    }
+}

@@ -1,0 +1,108 @@
+use std::{
+    collections::BTreeMap,
+    io,
+    sync::Arc,
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+use lie_octree::LieTree;
+use lie_protocol::LieStatus;
+
+use super::{Freeze, Shared};
+use crate::{BatchReport, Builder};
+
+/// How often the tree is measured; that takes time in proportion to its cells.
+const MEASURE_EVERY: Duration = Duration::from_millis(250);
+
+/// Passes over the frozen view after which it counts as converged, whatever the error.
+const MAX_PASSES: u64 = 256;
+
+/// What construction has come to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Progress {
+    /// For every client, but for the camera's serial number.
+    pub(super) status: LieStatus,
+    /// Each client's camera that was taken into account.
+    pub(super) serials: BTreeMap<u32, u64>,
+}
+
+/// The thread that learns.
+pub(super) struct Construction(JoinHandle<()>);
+
+impl Construction {
+    /// Starts the thread; it ends when the views are closed.
+    pub(super) fn start(builder: Builder, shared: Arc<Shared>) -> io::Result<Self> {
+        thread::Builder::new()
+            .name("construction".to_owned())
+            .spawn(move || construct(builder, &shared))
+            .map(Self)
+    }
+
+    /// Waits for the end; says whether it was an orderly one.
+    pub(super) fn join(self) -> bool {
+        self.0.join().is_ok()
+    }
+}
+
+/// Learns what the clients look at, until they all look at what is known.
+fn construct(mut builder: Builder, shared: &Shared) {
+    let mut known = None;
+    let mut measured = None;
+    while let Some(now) = shared.views.wait(known) {
+        let report = builder.batch(&now.views);
+        if !report.changed.is_empty() {
+            shared.feed.publish(builder.tree().clone(), &report.changed);
+        }
+        known = report.converged.then_some(now.generation);
+        let measure =
+            report.converged || measured.is_none_or(|at: Instant| at.elapsed() >= MEASURE_EVERY);
+        shared.progress.send_modify(|progress| {
+            if measure {
+                measure_into(&mut progress.status, builder.tree());
+            }
+            report_into(&mut progress.status, &report);
+            progress.serials = now.serials;
+        });
+        if measure {
+            measured = Some(Instant::now());
+        }
+    }
+}
+
+/// Learns all at once.
+pub(super) fn freeze(builder: &mut Builder, freeze: &Freeze) -> Progress {
+    let mut status = LieStatus {
+        frozen: true,
+        ..LieStatus::default()
+    };
+    let views = std::slice::from_ref(&freeze.view);
+    let report = match freeze.samples {
+        Some(samples) => builder.sample(views, samples),
+        None => {
+            let pixels = u64::from(freeze.view.size.x) * u64::from(freeze.view.size.y);
+            builder.converge(views, MAX_PASSES * pixels, |_| {})
+        }
+    };
+    report_into(&mut status, &report);
+    measure_into(&mut status, builder.tree());
+    Progress {
+        status,
+        serials: BTreeMap::new(),
+    }
+}
+
+fn report_into(status: &mut LieStatus, report: &BatchReport) {
+    status.version = report.version;
+    status.samples = report.samples;
+    status.estimated_error = report.estimated_error.unwrap_or(f32::INFINITY);
+    status.converged = report.converged;
+}
+
+fn measure_into(status: &mut LieStatus, tree: &LieTree) {
+    let stats = tree.stats();
+    status.cells = stats.cells;
+    status.entries = stats.entries;
+    status.occluders = stats.occluders;
+    status.bytes = stats.bytes;
+}

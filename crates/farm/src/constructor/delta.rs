@@ -1,0 +1,90 @@
+use lie_octree::CellState;
+use lie_protocol::{LieDelta, WireBody, WireCell, limit};
+
+use super::lie_feed::Update;
+use crate::convert::wire_cell;
+
+/// A part is closed when its cells may take this many bytes: short enough for signs of life
+/// to come through in between.
+const PART: usize = 1024 * 1024;
+/// A cell that may take more than this cannot be sent.
+const MAX_CELL: usize = limit::LIE_DELTA as usize - PART - 64;
+
+/// The parts of one update, made one by one as the socket takes them.
+pub(super) struct Parts {
+    update: Update,
+    next_key: usize,
+    next_part: u32,
+    done: bool,
+}
+
+impl Parts {
+    pub(super) fn of(update: Update) -> Self {
+        Self {
+            update,
+            next_key: 0,
+            next_part: 0,
+            done: false,
+        }
+    }
+
+    /// The next part; an update always has at least one.
+    pub(super) fn next(&mut self) -> Option<LieDelta> {
+        if self.done {
+            return None;
+        }
+        let mut cells = Vec::new();
+        let mut bytes = 0;
+        while bytes < PART && self.next_key < self.update.keys.len() {
+            let key = self.update.keys[self.next_key];
+            self.next_key += 1;
+            if let Some(state) = self.update.tree.state(key) {
+                let (cell, cell_bytes) = fitted(&state);
+                cells.push(cell);
+                bytes += cell_bytes;
+            }
+        }
+        self.done = self.next_key == self.update.keys.len();
+        let part = self.next_part;
+        self.next_part += 1;
+        Some(LieDelta {
+            from_version: self.update.from_version,
+            to_version: self.update.to_version,
+            part,
+            last: self.done,
+            cells,
+        })
+    }
+}
+
+/// A cell for the wire and the most bytes it may take. One that no message could hold goes
+/// without any light: all are doubtful, and the shader traces them, which is slow and right
+/// (but for a trust of 0, the paper's mode, where nothing is ever doubted).
+fn fitted(state: &CellState) -> (WireCell, usize) {
+    let cell = wire_cell(state);
+    let bytes = most_bytes(&cell);
+    if bytes <= MAX_CELL {
+        return (cell, bytes);
+    }
+    tracing::warn!(
+        "cell {:#x} is too large to be sent: shaders go without it",
+        cell.key
+    );
+    let body = WireBody::Leaf {
+        lights: vec![],
+        hidden: vec![],
+    };
+    (WireCell { body, ..cell }, 32)
+}
+
+/// A length or a `u32` takes at most 5 bytes here, a `u64` at most 9.
+fn most_bytes(cell: &WireCell) -> usize {
+    let lights = match &cell.body {
+        WireBody::Interior => 0,
+        WireBody::Leaf { lights, hidden } => {
+            let lights = lights.iter().map(|light| 10 + 5 * light.occluders.len());
+            lights.sum::<usize>() + 5 * hidden.len()
+        }
+    };
+    32 + lights
+}

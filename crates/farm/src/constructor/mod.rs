@@ -1,0 +1,220 @@
+//! The process that holds the scene and learns the LIEs.
+//!
+//! [`Prepared`] is everything that can be made ready before anybody connects; [`run`] serves
+//! it. Construction has a thread of its own, and neither side ever waits for the other:
+//! construction publishes trees ([`lie_feed`]), sessions publish views ([`views`]).
+
+mod client_session;
+mod construction;
+mod delta;
+mod lie_feed;
+mod registry;
+mod shader_session;
+mod views;
+
+use std::sync::Arc;
+
+use lie_protocol::{Refuse, Role, SceneSummary, WireLieSettings};
+use lie_render::World;
+use lie_scene::Scene;
+use tokio::{
+    net::{TcpListener, TcpStream},
+    sync::watch,
+};
+use tokio_util::sync::CancellationToken;
+
+use crate::{
+    Builder, ConstructSettings, View,
+    connection::{self, ByteCount, LinkError},
+    convert, handshake,
+    network::Exposure,
+    scene_blob::{self, BlobError, SceneBlob},
+    serve::serve,
+};
+use construction::{Construction, Progress};
+use lie_feed::LieFeed;
+use registry::Registry;
+use views::Views;
+
+/// Most shaders at once.
+pub const MAX_SHADERS: usize = lie_protocol::limit::SHADERS;
+/// Most clients at once.
+pub const MAX_CLIENTS: usize = 64;
+/// Connections that have not said yet what they are.
+const MAX_STRANGERS: usize = 64;
+
+/// How a constructor works.
+#[derive(Clone, Debug)]
+pub struct ConstructorConfig {
+    /// Whom it talks to.
+    pub exposure: Exposure,
+    /// How it learns.
+    pub construct: ConstructSettings,
+    /// If set, all it ever learns is learnt before anybody connects.
+    pub freeze: Option<Freeze>,
+}
+
+/// Learning that ends before the first connection: the same LIEs at every start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Freeze {
+    /// This many construction samples, in whole batches; without, until the view has
+    /// converged.
+    pub samples: Option<u64>,
+    /// What they are spent on.
+    pub view: View,
+}
+
+/// Why a constructor cannot work.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConstructorError {
+    /// The scene cannot be sent to shaders.
+    #[error(transparent)]
+    Blob(#[from] BlobError),
+    /// The threads cannot be started.
+    #[error("cannot start the construction threads: {0}")]
+    Threads(String),
+}
+
+/// A constructor that is ready to serve.
+pub struct Prepared {
+    blob: SceneBlob,
+    summary: SceneSummary,
+    builder: Builder,
+    settings: ConstructSettings,
+    frozen: Option<Progress>,
+}
+
+impl Prepared {
+    /// Packs the scene, builds its acceleration structure and, if asked to freeze, learns
+    /// all there will be to learn. Takes its time: not for an async task.
+    ///
+    /// # Errors
+    /// [`ConstructorError`].
+    pub fn new(scene: Scene, config: &ConstructorConfig) -> Result<Self, ConstructorError> {
+        let blob = SceneBlob::new(scene_blob::encode(&scene)?);
+        let summary = convert::summary(&scene, blob.hash());
+        let world = Arc::new(World::new(Arc::new(scene)));
+        let mut builder = Builder::new(world, config.construct)
+            .map_err(|error| ConstructorError::Threads(error.to_string()))?;
+        let frozen = config
+            .freeze
+            .as_ref()
+            .map(|freeze| construction::freeze(&mut builder, freeze));
+        Ok(Self {
+            blob,
+            summary,
+            builder,
+            settings: config.construct,
+            frozen,
+        })
+    }
+}
+
+/// What all sessions share.
+struct Shared {
+    blob: SceneBlob,
+    summary: SceneSummary,
+    settings: WireLieSettings,
+    feed: LieFeed,
+    views: Views,
+    registry: Registry,
+    progress: watch::Sender<Progress>,
+    /// To shaders.
+    sent: ByteCount,
+    shutdown: CancellationToken,
+}
+
+/// Serves shaders and clients until `shutdown`.
+///
+/// # Errors
+/// [`ConstructorError::Threads`].
+pub async fn run(
+    config: ConstructorConfig,
+    prepared: Prepared,
+    listener: TcpListener,
+    shutdown: CancellationToken,
+) -> Result<(), ConstructorError> {
+    let lie = prepared.settings.lie;
+    let shared = Arc::new(Shared {
+        blob: prepared.blob,
+        summary: prepared.summary,
+        settings: WireLieSettings {
+            max_depth: lie.max_depth,
+            split_threshold: lie.split_threshold,
+            trust: lie.trust,
+        },
+        feed: LieFeed::new(prepared.builder.tree().clone()),
+        views: Views::default(),
+        registry: Registry::default(),
+        progress: watch::Sender::new(prepared.frozen.clone().unwrap_or_default()),
+        sent: ByteCount::default(),
+        shutdown: shutdown.clone(),
+    });
+    let construction = match prepared.frozen {
+        Some(_) => None,
+        None => Some(
+            Construction::start(prepared.builder, shared.clone())
+                .map_err(|error| ConstructorError::Threads(error.to_string()))?,
+        ),
+    };
+    let limit = MAX_SHADERS + MAX_CLIENTS + MAX_STRANGERS;
+    let sessions = shared.clone();
+    serve(
+        listener,
+        config.exposure,
+        limit,
+        shutdown,
+        move |stream, peer| session(sessions.clone(), stream, peer),
+    )
+    .await;
+    shared.views.close();
+    if let Some(construction) = construction {
+        // At most one batch away.
+        let joined = tokio::task::spawn_blocking(move || construction.join()).await;
+        if !matches!(joined, Ok(true)) {
+            tracing::error!("construction ended in a panic");
+        }
+    }
+    Ok(())
+}
+
+/// One connection, from the hello on.
+async fn session(
+    shared: Arc<Shared>,
+    stream: TcpStream,
+    peer: std::net::SocketAddr,
+) -> Result<(), LinkError> {
+    let (mut receiver, mut sender) = connection::split(stream);
+    let hello = handshake::await_hello(&mut receiver, &mut sender).await?;
+    match hello.role {
+        Role::Shader => {
+            let Some(member) = shared.registry.join_shader(peer.ip(), &hello) else {
+                return Err(full(&mut sender, "shaders").await);
+            };
+            shader_session::run(&shared, &member, receiver, sender).await
+        }
+        Role::Client => {
+            let Some(member) = shared.registry.join_client() else {
+                return Err(full(&mut sender, "clients").await);
+            };
+            let result = client_session::run(&shared, &member, receiver, sender).await;
+            shared.views.remove(member.id());
+            result
+        }
+        Role::Constructor => {
+            let refusal = Refuse::new("a constructor has no business with a constructor");
+            Err(handshake::refuse(&mut sender, refusal).await)
+        }
+    }
+}
+
+async fn full<W: tokio::io::AsyncWrite + Unpin>(
+    sender: &mut connection::Sender<W>,
+    what: &str,
+) -> LinkError {
+    let refusal = Refuse::new(&format!(
+        "there are as many {what} as this constructor takes"
+    ));
+    handshake::refuse(sender, refusal).await
+}

@@ -1,0 +1,220 @@
+//! The one place where wire types become domain types and back.
+
+use glam::{Quat, UVec2, Vec3};
+use lie_octree::{CellBody, CellKey, CellState, LieState, LitLight};
+use lie_protocol::{
+    BeginFrame, SceneHash, SceneSummary, Text, WireBody, WireCamera, WireCell, WireKeyFrame,
+    WireLight, WireRenderSettings, WireWalkthrough, limit,
+};
+use lie_render::FrameSettings;
+use lie_scene::{Camera, KeyFrame, RenderSettings, Scene, Walkthrough};
+
+/// Why what a peer sent is not what it should be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConvertError {
+    /// Not a possible camera.
+    #[error("the camera is not possible")]
+    Camera,
+    /// A size, sample count or rectangle out of its limits.
+    #[error("the frame's size, samples or tile are out of their limits")]
+    Frame,
+    /// Not a possible cell.
+    #[error("cell {key:#x}: {problem}")]
+    Cell {
+        /// The cell's key.
+        key: u64,
+        /// What is wrong.
+        problem: &'static str,
+    },
+}
+
+/// A camera for the wire.
+#[must_use]
+pub fn wire_camera(camera: &Camera) -> WireCamera {
+    WireCamera {
+        name: Text::new(&camera.name),
+        eye: camera.eye.to_array(),
+        orientation: camera.orientation.to_array(),
+        vertical_fov: camera.vertical_fov,
+    }
+}
+
+/// A camera from a peer.
+///
+/// # Errors
+/// [`ConvertError::Camera`].
+pub fn camera(camera: &WireCamera) -> Result<Camera, ConvertError> {
+    let camera = unchecked_camera(camera);
+    if camera.is_valid() {
+        Ok(camera)
+    } else {
+        Err(ConvertError::Camera)
+    }
+}
+
+/// For scenes, which are validated as a whole.
+pub(crate) fn unchecked_camera(camera: &WireCamera) -> Camera {
+    Camera {
+        name: camera.name.as_str().to_owned(),
+        eye: Vec3::from(camera.eye),
+        orientation: Quat::from_array(camera.orientation),
+        vertical_fov: camera.vertical_fov,
+    }
+}
+
+/// A walkthrough for the wire.
+#[must_use]
+pub fn wire_walkthrough(walkthrough: &Walkthrough) -> WireWalkthrough {
+    let keys = walkthrough.key_frames.iter().take(limit::KEY_FRAMES);
+    WireWalkthrough {
+        name: Text::new(&walkthrough.name),
+        key_frames: keys
+            .map(|key| WireKeyFrame {
+                time_s: key.time_s,
+                eye: key.eye.to_array(),
+                orientation: key.orientation.to_array(),
+                vertical_fov: key.vertical_fov,
+            })
+            .collect(),
+    }
+}
+
+/// A walkthrough from the wire; not checked.
+#[must_use]
+pub fn walkthrough(walkthrough: &WireWalkthrough) -> Walkthrough {
+    let keys = walkthrough.key_frames.iter();
+    Walkthrough {
+        name: walkthrough.name.as_str().to_owned(),
+        key_frames: keys
+            .map(|key| KeyFrame {
+                time_s: key.time_s,
+                eye: Vec3::from(key.eye),
+                orientation: Quat::from_array(key.orientation),
+                vertical_fov: key.vertical_fov,
+            })
+            .collect(),
+    }
+}
+
+/// Render settings for the wire.
+#[must_use]
+pub fn wire_settings(settings: &RenderSettings) -> WireRenderSettings {
+    WireRenderSettings {
+        size: settings.size.to_array(),
+        samples_per_pixel: settings.samples_per_pixel,
+        light_samples: settings.light_samples,
+        exposure_stops: settings.exposure_stops,
+        max_depth: settings.max_depth,
+        split_threshold: settings.split_threshold,
+    }
+}
+
+/// Render settings from the wire; not checked.
+#[must_use]
+pub fn settings(settings: &WireRenderSettings) -> RenderSettings {
+    RenderSettings {
+        size: UVec2::from(settings.size),
+        samples_per_pixel: settings.samples_per_pixel,
+        light_samples: settings.light_samples,
+        exposure_stops: settings.exposure_stops,
+        max_depth: settings.max_depth,
+        split_threshold: settings.split_threshold,
+    }
+}
+
+/// What a client gets to know of a scene.
+#[must_use]
+pub fn summary(scene: &Scene, hash: SceneHash) -> SceneSummary {
+    let bounds = scene.geometry.bounds();
+    let cameras = scene.cameras.iter().take(limit::CAMERAS);
+    let walkthroughs = scene.walkthroughs.iter().take(limit::WALKTHROUGHS);
+    SceneSummary {
+        name: Text::new(&scene.name),
+        hash,
+        bounds: [bounds.min.to_array(), bounds.max.to_array()],
+        triangles: scene.geometry.len() as u64,
+        lights: scene.lights.len() as u64,
+        cameras: cameras.map(wire_camera).collect(),
+        walkthroughs: walkthroughs.map(wire_walkthrough).collect(),
+        settings: wire_settings(&scene.settings),
+    }
+}
+
+/// A frame's settings from a client.
+///
+/// # Errors
+/// [`ConvertError::Frame`].
+pub fn frame_settings(begin: &BeginFrame) -> Result<FrameSettings, ConvertError> {
+    let sides = 1..=limit::FRAME_SIDE;
+    let possible = begin.size.iter().all(|side| sides.contains(side))
+        && (1..=RenderSettings::MAX_SAMPLES_PER_PIXEL).contains(&begin.samples_per_pixel)
+        && (1..=RenderSettings::MAX_LIGHT_SAMPLES).contains(&begin.light_samples);
+    if !possible {
+        return Err(ConvertError::Frame);
+    }
+    Ok(FrameSettings {
+        size: UVec2::from(begin.size),
+        samples_per_pixel: begin.samples_per_pixel,
+        light_samples: begin.light_samples,
+        seed: begin.seed,
+    })
+}
+
+/// A cell for the wire.
+#[must_use]
+pub fn wire_cell(state: &CellState) -> WireCell {
+    let body = match &state.body {
+        CellBody::Inner => WireBody::Interior,
+        CellBody::Leaf(lie) => WireBody::Leaf {
+            hidden: lie.hidden.clone(),
+            lights: lie
+                .lights
+                .iter()
+                .map(|lit| WireLight {
+                    light: lit.light,
+                    occluders: lit.occluders.clone(),
+                })
+                .collect(),
+        },
+    };
+    WireCell {
+        key: state.key.raw(),
+        version: state.version,
+        body,
+    }
+}
+
+/// A cell from the constructor. Whether its lights and triangles exist is for
+/// [`crate::LieReplica::apply`] to say.
+///
+/// # Errors
+/// [`ConvertError::Cell`].
+pub fn cell(cell: WireCell) -> Result<CellState, ConvertError> {
+    let raw = cell.key;
+    let wrong = |problem| ConvertError::Cell { key: raw, problem };
+    let key = CellKey::from_raw(raw).ok_or_else(|| wrong("no cell has this key"))?;
+    let body = match cell.body {
+        WireBody::Interior => CellBody::Inner,
+        WireBody::Leaf { lights, hidden } => {
+            let rising = lights.windows(2).all(|pair| pair[0].light < pair[1].light)
+                && hidden.windows(2).all(|pair| pair[0] < pair[1]);
+            if !rising {
+                return Err(wrong("its lights are out of order"));
+            }
+            let lights = lights.into_iter().map(|lit| LitLight {
+                light: lit.light,
+                occluders: lit.occluders,
+            });
+            CellBody::Leaf(LieState {
+                lights: lights.collect(),
+                hidden,
+            })
+        }
+    };
+    Ok(CellState {
+        key,
+        version: cell.version,
+        body,
+    })
+}

@@ -1,0 +1,233 @@
+//! A constructor and its shaders as children of this process, on this machine.
+//!
+//! Each child runs with `--supervised` and its standard input held open by us: when we end,
+//! even by `kill -9`, the input closes and the child ends too. A child announces where it
+//! listens by a line `listening ADDR`, the only thing it ever prints; its log is passed on
+//! line by line.
+
+use std::{
+    ffi::OsString,
+    path::PathBuf,
+    process::{ExitStatus, Stdio},
+    sync::Arc,
+    time::Duration,
+};
+
+use tokio::{
+    io::{AsyncBufReadExt, AsyncRead, BufReader, Lines},
+    process::{Child, ChildStdout, Command},
+    task::JoinSet,
+    time::timeout,
+};
+use tokio_util::sync::CancellationToken;
+
+/// How long a child may take to end by itself.
+const GRACE: Duration = Duration::from_millis(900);
+
+/// What a child prints before the address at which it listens.
+pub const ANNOUNCEMENT: &str = "listening ";
+
+/// Takes a child's name and a line of its log.
+pub type LogLine = Arc<dyn Fn(&str, &str) + Send + Sync>;
+
+/// What to start.
+#[derive(Clone)]
+pub struct LaunchConfig {
+    /// The `lie` executable.
+    pub program: PathBuf,
+    /// Arguments of the constructor, beginning with `constructor`.
+    pub constructor: Vec<OsString>,
+    /// Arguments of every shader, beginning with `shader`; the constructor's address is added.
+    pub shader: Vec<OsString>,
+    /// How many shaders.
+    pub shaders: usize,
+    /// Where the children's logs go.
+    pub log: LogLine,
+}
+
+/// Why the processes are not there.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LaunchError {
+    /// A child cannot be started.
+    #[error("cannot start the {who} ({}): {cause}", program.display())]
+    Start {
+        /// Which child.
+        who: String,
+        /// What was to be run.
+        program: PathBuf,
+        /// What the system says.
+        cause: std::io::Error,
+    },
+    /// A child ended before it was ready; its log says why.
+    #[error("the {who} ended before it was ready ({status})")]
+    Ended {
+        /// Which child.
+        who: String,
+        /// How it ended.
+        status: ExitStatus,
+    },
+    /// A child said something else than where it listens.
+    #[error("the {who} did not say where it listens")]
+    Announcement {
+        /// Which child.
+        who: String,
+    },
+}
+
+/// The running children. Ended and reaped by [`Self::shutdown`]; killed if just dropped.
+pub struct Farm {
+    address: String,
+    constructor: Children,
+    shaders: Children,
+}
+
+/// Children that end together.
+#[derive(Default)]
+struct Children {
+    stop: CancellationToken,
+    watches: JoinSet<()>,
+}
+
+impl Farm {
+    /// Starts the constructor, waits until it listens, and starts the shaders, which may
+    /// come when they can.
+    ///
+    /// # Errors
+    /// [`LaunchError`]; nothing is left running then.
+    pub async fn start(config: LaunchConfig) -> Result<Self, LaunchError> {
+        let mut farm = Self {
+            address: String::new(),
+            constructor: Children::default(),
+            shaders: Children::default(),
+        };
+        match farm.start_all(&config).await {
+            Ok(()) => Ok(farm),
+            Err(error) => {
+                farm.shutdown().await;
+                Err(error)
+            }
+        }
+    }
+
+    /// Where the constructor listens.
+    #[must_use]
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+
+    /// Ends all children and waits for them. The shaders go first, so that none misses the
+    /// constructor.
+    pub async fn shutdown(self) {
+        self.shaders.end().await;
+        self.constructor.end().await;
+    }
+
+    async fn start_all(&mut self, config: &LaunchConfig) -> Result<(), LaunchError> {
+        self.address = self
+            .constructor
+            .start("constructor", config, &config.constructor)
+            .await?;
+        let mut arguments = config.shader.clone();
+        arguments.extend(["--constructor".into(), self.address.clone().into()]);
+        for number in 1..=config.shaders {
+            let who = format!("shader {number}");
+            self.shaders.start(&who, config, &arguments).await?;
+        }
+        Ok(())
+    }
+}
+
+impl Children {
+    /// Asks all to end, and waits until they have.
+    async fn end(mut self) {
+        self.stop.cancel();
+        while self.watches.join_next().await.is_some() {}
+    }
+
+    /// Starts a child and waits for its announcement; then it is watched.
+    async fn start(
+        &mut self,
+        who: &str,
+        config: &LaunchConfig,
+        arguments: &[OsString],
+    ) -> Result<String, LaunchError> {
+        let mut child = spawn(config, arguments).map_err(|cause| LaunchError::Start {
+            who: who.to_owned(),
+            program: config.program.clone(),
+            cause,
+        })?;
+        if let Some(stderr) = child.stderr.take() {
+            let (who, log) = (who.to_owned(), config.log.clone());
+            tokio::spawn(pass_on(who, BufReader::new(stderr).lines(), log));
+        }
+        let said = first_line(child.stdout.take()).await;
+        let Some(line) = said else {
+            let status = child.wait().await;
+            return Err(match status {
+                Ok(status) => LaunchError::Ended {
+                    who: who.to_owned(),
+                    status,
+                },
+                Err(_) => LaunchError::Announcement {
+                    who: who.to_owned(),
+                },
+            });
+        };
+        let address = line.strip_prefix(ANNOUNCEMENT).map(str::to_owned);
+        self.watches
+            .spawn(watch(who.to_owned(), child, self.stop.clone()));
+        address.ok_or_else(|| LaunchError::Announcement {
+            who: who.to_owned(),
+        })
+    }
+}
+
+fn spawn(config: &LaunchConfig, arguments: &[OsString]) -> std::io::Result<Child> {
+    let mut command = Command::new(&config.program);
+    command
+        .args(arguments)
+        .arg("--supervised")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .kill_on_drop(true);
+    // An interrupt from the terminal is for us; we end the children in order.
+    #[cfg(unix)]
+    command.process_group(0);
+    command.spawn()
+}
+
+async fn first_line(stdout: Option<ChildStdout>) -> Option<String> {
+    let mut lines = BufReader::new(stdout?).lines();
+    lines.next_line().await.ok().flatten()
+}
+
+async fn pass_on<R: AsyncRead + Unpin>(who: String, mut lines: Lines<BufReader<R>>, log: LogLine) {
+    while let Ok(Some(line)) = lines.next_line().await {
+        log(&who, &line);
+    }
+}
+
+/// Waits for a child's end: its own, which is worth a word, or the one that we ask for.
+async fn watch(who: String, mut child: Child, stop: CancellationToken) {
+    // Waiting for a child would close the input that it still has.
+    let input = child.stdin.take();
+    let status = tokio::select! {
+        status = child.wait() => status,
+        () = stop.cancelled() => {
+            // The closed input is the request.
+            drop(input);
+            if timeout(GRACE, child.wait()).await.is_err()
+                && let Err(error) = child.kill().await
+            {
+                tracing::warn!("the {who} cannot be ended: {error}");
+            }
+            return;
+        }
+    };
+    match status {
+        Ok(status) => tracing::warn!("the {who} has ended ({status})"),
+        Err(error) => tracing::warn!("the {who} is lost: {error}"),
+    }
+}

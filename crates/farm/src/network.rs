@@ -1,0 +1,157 @@
+//! Listening and dialling, and who may be reached.
+
+use std::{
+    io,
+    net::{IpAddr, SocketAddr},
+};
+
+use tokio::net::{TcpListener, TcpStream, lookup_host};
+
+/// Which addresses a process deals with while connections are neither encrypted nor
+/// authenticated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exposure {
+    /// This machine alone.
+    Loopback,
+    /// Any address, on the user's explicit word.
+    Insecure,
+}
+
+/// Why an address cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum NetworkError {
+    /// The address cannot be understood, or its name is unknown.
+    #[error("'{address}' is not an address that can be used (host:port is expected): {cause}")]
+    Address {
+        /// As given.
+        address: String,
+        /// What the resolver says.
+        cause: io::Error,
+    },
+    /// Listening failed.
+    #[error("cannot listen on {address}: {cause}")]
+    Bind {
+        /// As given.
+        address: String,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// Dialling failed.
+    #[error("cannot reach {address}: {cause}")]
+    Dial {
+        /// As given.
+        address: String,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// The address is not on this machine, and nothing allows that.
+    #[error(
+        "{0} is not a loopback address; connections are neither encrypted nor authenticated, \
+         so other machines are only allowed with --insecure"
+    )]
+    NotLoopback(SocketAddr),
+}
+
+/// Listens on the first of an address's meanings that works.
+///
+/// # Errors
+/// [`NetworkError`], in one line.
+pub async fn bind(address: &str, exposure: Exposure) -> Result<TcpListener, NetworkError> {
+    let mut last = None;
+    for resolved in resolve(address, exposure).await? {
+        match TcpListener::bind(resolved).await {
+            Ok(listener) => return Ok(listener),
+            Err(cause) => last = Some(cause),
+        }
+    }
+    Err(NetworkError::Bind {
+        address: address.to_owned(),
+        cause: last.unwrap_or_else(|| io::ErrorKind::AddrNotAvailable.into()),
+    })
+}
+
+/// Connects to the first of an address's meanings that answers.
+///
+/// # Errors
+/// [`NetworkError`], in one line.
+pub async fn dial(address: &str, exposure: Exposure) -> Result<TcpStream, NetworkError> {
+    let mut last = None;
+    for resolved in resolve(address, exposure).await? {
+        match TcpStream::connect(resolved).await {
+            Ok(stream) => {
+                prepare(&stream);
+                return Ok(stream);
+            }
+            Err(cause) => last = Some(cause),
+        }
+    }
+    Err(NetworkError::Dial {
+        address: address.to_owned(),
+        cause: last.unwrap_or_else(|| io::ErrorKind::AddrNotAvailable.into()),
+    })
+}
+
+/// Sets what every connection wants: small messages go at once.
+pub fn prepare(stream: &TcpStream) {
+    if let Err(error) = stream.set_nodelay(true) {
+        tracing::debug!("cannot send small messages at once: {error}");
+    }
+}
+
+/// Whether `peer` may be talked to at all.
+#[must_use]
+pub fn allows(exposure: Exposure, peer: IpAddr) -> bool {
+    exposure == Exposure::Insecure || peer.to_canonical().is_loopback()
+}
+
+async fn resolve(address: &str, exposure: Exposure) -> Result<Vec<SocketAddr>, NetworkError> {
+    let wrong = |cause| NetworkError::Address {
+        address: address.to_owned(),
+        cause,
+    };
+    let resolved: Vec<_> = lookup_host(address).await.map_err(wrong)?.collect();
+    if let Some(&outside) = resolved.iter().find(|at| !allows(exposure, at.ip())) {
+        return Err(NetworkError::NotLoopback(outside));
+    }
+    if exposure == Exposure::Insecure {
+        tracing::warn!("{address}: connections are neither encrypted nor authenticated");
+    }
+    Ok(resolved)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn errors_say_which_address_and_why() {
+        let taken = bind("127.0.0.1:0", Exposure::Loopback).await.unwrap();
+        let address = taken.local_addr().unwrap().to_string();
+        let in_use = bind(&address, Exposure::Loopback).await.unwrap_err();
+        assert!(
+            in_use
+                .to_string()
+                .starts_with(&format!("cannot listen on {address}: "))
+        );
+        drop(taken);
+        let nobody = dial(&address, Exposure::Loopback).await.unwrap_err();
+        assert!(
+            nobody
+                .to_string()
+                .starts_with(&format!("cannot reach {address}: "))
+        );
+        for wrong in ["here", "127.0.0.1:99999", ""] {
+            let error = dial(wrong, Exposure::Loopback).await.unwrap_err();
+            assert!(matches!(error, NetworkError::Address { .. }), "{error}");
+        }
+    }
+
+    #[tokio::test]
+    async fn other_machines_need_the_users_word() {
+        let refused = bind("0.0.0.0:0", Exposure::Loopback).await.unwrap_err();
+        assert!(refused.to_string().contains("--insecure"), "{refused}");
+        assert!(dial("192.0.2.1:1", Exposure::Loopback).await.is_err());
+        assert!(bind("0.0.0.0:0", Exposure::Insecure).await.is_ok());
+    }
+}

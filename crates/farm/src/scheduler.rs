@@ -1,0 +1,265 @@
+//! Who renders which tile of a frame. No IO and no clock: `now` is passed in.
+
+use std::{
+    collections::{BTreeMap, BTreeSet, VecDeque},
+    time::{Duration, Instant},
+};
+
+/// A shader, as the client numbers them.
+pub type ShaderId = u32;
+
+/// When a tile is late.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LatePolicy {
+    /// No tile is late before this.
+    pub floor: Duration,
+    /// A tile is late after this many times the mean time of the finished ones.
+    pub factor: f64,
+}
+
+impl Default for LatePolicy {
+    fn default() -> Self {
+        Self {
+            floor: Duration::from_millis(100),
+            factor: 3.0,
+        }
+    }
+}
+
+/// What became of a tile that a shader has finished.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Completion {
+    /// It is the first: take it.
+    First,
+    /// Another was faster, or it was never asked for: drop it.
+    Duplicate,
+}
+
+/// The tiles of one frame on their way.
+///
+/// Invariants: a tile is either waiting, in flight at one or two shaders, or done, and is
+/// done exactly once; a shader never has more tiles in flight than its credits.
+///
+/// ```
+/// use lie_farm::scheduler::{Completion, LatePolicy, Scheduler};
+/// use std::time::Instant;
+///
+/// let now = Instant::now();
+/// let mut scheduler = Scheduler::new([0, 1, 2], LatePolicy::default());
+/// scheduler.joined(7, 2);
+/// assert_eq!(scheduler.assign(now), [(7, 0), (7, 1)]);
+/// assert_eq!(scheduler.completed(0, 7, now), Completion::First);
+/// assert_eq!(scheduler.assign(now), [(7, 2)]);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scheduler {
+    waiting: VecDeque<u32>,
+    /// Where and since when each unfinished tile is in flight.
+    in_flight: BTreeMap<u32, Vec<(ShaderId, Instant)>>,
+    unfinished: BTreeSet<u32>,
+    shaders: BTreeMap<ShaderId, Shader>,
+    policy: LatePolicy,
+    finished_time: Duration,
+    finished: u32,
+    lost: u64,
+    reissued: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Shader {
+    credits: usize,
+    tiles: BTreeSet<u32>,
+}
+
+impl Scheduler {
+    /// A frame whose tiles are handed out in this order.
+    #[must_use]
+    pub fn new(order: impl IntoIterator<Item = u32>, policy: LatePolicy) -> Self {
+        let waiting: VecDeque<u32> = order.into_iter().collect();
+        Self {
+            unfinished: waiting.iter().copied().collect(),
+            waiting,
+            in_flight: BTreeMap::new(),
+            shaders: BTreeMap::new(),
+            policy,
+            finished_time: Duration::ZERO,
+            finished: 0,
+            lost: 0,
+            reissued: 0,
+        }
+    }
+
+    /// A shader is there, now or from the start; `credits` are the most tiles it may have
+    /// in flight, at least one.
+    pub fn joined(&mut self, shader: ShaderId, credits: usize) {
+        self.shaders.entry(shader).or_insert(Shader {
+            credits: credits.max(1),
+            tiles: BTreeSet::new(),
+        });
+    }
+
+    /// A shader is gone: its tiles go to the front of the queue, unless another has them too.
+    pub fn lost(&mut self, shader: ShaderId) {
+        let Some(gone) = self.shaders.remove(&shader) else {
+            return;
+        };
+        for &tile in gone.tiles.iter().rev() {
+            self.lost += 1;
+            if let Some(holders) = self.in_flight.get_mut(&tile) {
+                holders.retain(|&(holder, _)| holder != shader);
+                if holders.is_empty() {
+                    self.in_flight.remove(&tile);
+                    self.waiting.push_front(tile);
+                }
+            }
+        }
+    }
+
+    /// A tile has come back.
+    pub fn completed(&mut self, tile: u32, shader: ShaderId, now: Instant) -> Completion {
+        if let Some(shader) = self.shaders.get_mut(&shader) {
+            shader.tiles.remove(&tile);
+        }
+        if !self.unfinished.contains(&tile) {
+            return Completion::Duplicate;
+        }
+        let holders = self.in_flight.get(&tile).map_or(&[][..], Vec::as_slice);
+        let Some(&(_, since)) = holders.iter().find(|&&(holder, _)| holder == shader) else {
+            return Completion::Duplicate;
+        };
+        self.in_flight.remove(&tile);
+        self.unfinished.remove(&tile);
+        self.finished += 1;
+        self.finished_time += now.saturating_duration_since(since);
+        Completion::First
+    }
+
+    /// What to send now: waiting tiles first, to the shaders with the most free credits;
+    /// when none waits, late tiles a second time to idle shaders.
+    pub fn assign(&mut self, now: Instant) -> Vec<(ShaderId, u32)> {
+        let mut assigned = Vec::new();
+        while let Some(shader) = self.freest() {
+            let Some(tile) = self.waiting.pop_front() else {
+                break;
+            };
+            self.give(shader, tile, now);
+            assigned.push((shader, tile));
+        }
+        if self.waiting.is_empty() {
+            self.assign_late(now, &mut assigned);
+        }
+        assigned
+    }
+
+    fn assign_late(&mut self, now: Instant, assigned: &mut Vec<(ShaderId, u32)>) {
+        let late_after = self.late_after();
+        let late: Vec<(u32, ShaderId)> = self
+            .in_flight
+            .iter()
+            .filter_map(|(&tile, holders)| match holders[..] {
+                [(holder, since)] if now.saturating_duration_since(since) >= late_after => {
+                    Some((tile, holder))
+                }
+                _ => None,
+            })
+            .collect();
+        for (tile, holder) in late {
+            let idle = self.shaders.iter().find(|&(&id, shader)| {
+                id != holder && shader.tiles.len() < shader.credits.div_ceil(2)
+            });
+            if let Some((&shader, _)) = idle {
+                self.reissued += 1;
+                self.give(shader, tile, now);
+                assigned.push((shader, tile));
+            }
+        }
+    }
+
+    /// When the next tile becomes late, if one can: then [`Self::assign`] may have news.
+    #[must_use]
+    pub fn next_deadline(&self) -> Option<Instant> {
+        if !self.waiting.is_empty() || self.shaders.len() < 2 {
+            return None;
+        }
+        let single = self.in_flight.values().filter(|holders| holders.len() == 1);
+        let since = single.flatten().map(|&(_, since)| since).min()?;
+        Some(since + self.late_after())
+    }
+
+    /// Whether every tile is done.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        self.unfinished.is_empty()
+    }
+
+    /// Tiles that are not done.
+    #[must_use]
+    pub fn unfinished(&self) -> usize {
+        self.unfinished.len()
+    }
+
+    /// Shaders that are there.
+    #[must_use]
+    pub fn shaders(&self) -> usize {
+        self.shaders.len()
+    }
+
+    /// Tiles in flight at a shader.
+    #[must_use]
+    pub fn in_flight(&self, shader: ShaderId) -> usize {
+        self.shaders.get(&shader).map_or(0, |s| s.tiles.len())
+    }
+
+    /// Tiles that were in flight at shaders that went away.
+    #[must_use]
+    pub fn lost_tiles(&self) -> u64 {
+        self.lost
+    }
+
+    /// Tiles that were given to a second shader because they were late.
+    #[must_use]
+    pub fn reissued_tiles(&self) -> u64 {
+        self.reissued
+    }
+
+    fn late_after(&self) -> Duration {
+        if self.finished == 0 {
+            return self.policy.floor.max(Duration::from_secs(1));
+        }
+        let mean = self.finished_time / self.finished;
+        self.policy.floor.max(mean.mul_f64(self.policy.factor))
+    }
+
+    fn freest(&self) -> Option<ShaderId> {
+        let free = |shader: &Shader| shader.credits - shader.tiles.len();
+        let ids = self.shaders.iter().filter(|(_, s)| free(s) > 0);
+        // Of equals the first, so that the order does not depend on the map.
+        ids.min_by_key(|(id, s)| (usize::MAX - free(s), **id))
+            .map(|(&id, _)| id)
+    }
+
+    fn give(&mut self, shader: ShaderId, tile: u32, now: Instant) {
+        if let Some(shader) = self.shaders.get_mut(&shader) {
+            shader.tiles.insert(tile);
+        }
+        self.in_flight.entry(tile).or_default().push((shader, now));
+    }
+}
+
+/// The tiles of a `columns × rows` grid from the centre outwards, by row-major number.
+#[must_use]
+pub fn centre_out(centres: &[(u32, u32)], size: (u32, u32)) -> Vec<u32> {
+    let distance = |&(x, y): &(u32, u32)| {
+        let (dx, dy) = (
+            2 * i64::from(x) - i64::from(size.0),
+            2 * i64::from(y) - i64::from(size.1),
+        );
+        dx * dx + dy * dy
+    };
+    let mut order: Vec<u32> = (0..centres.len() as u32).collect();
+    order.sort_by_key(|&tile| (distance(&centres[tile as usize]), tile));
+    order
+}
+
+#[cfg(test)]
+mod tests;

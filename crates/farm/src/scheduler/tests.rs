@@ -1,0 +1,160 @@
+use proptest::prelude::*;
+
+use super::*;
+
+fn at(start: Instant, ms: u64) -> Instant {
+    start + Duration::from_millis(ms)
+}
+
+#[test]
+fn tiles_go_out_by_credits_and_a_faster_shader_gets_more() {
+    let start = Instant::now();
+    let mut scheduler = Scheduler::new(0..8, LatePolicy::default());
+    scheduler.joined(1, 2);
+    scheduler.joined(2, 3);
+    let first = scheduler.assign(start);
+    assert_eq!(first.len(), 5);
+    assert_eq!(scheduler.in_flight(1), 2);
+    assert_eq!(scheduler.in_flight(2), 3);
+    assert!(scheduler.assign(start).is_empty());
+    let (_, tile) = *first.iter().find(|(shader, _)| *shader == 2).unwrap();
+    assert_eq!(
+        scheduler.completed(tile, 2, at(start, 5)),
+        Completion::First
+    );
+    assert_eq!(
+        scheduler.completed(tile, 2, at(start, 5)),
+        Completion::Duplicate
+    );
+    assert_eq!(scheduler.assign(at(start, 5)), [(2, 5)]);
+}
+
+#[test]
+fn a_lost_shaders_tiles_come_first_and_a_late_joiner_takes_them() {
+    let start = Instant::now();
+    let mut scheduler = Scheduler::new(0..6, LatePolicy::default());
+    scheduler.joined(1, 2);
+    assert_eq!(scheduler.assign(start), [(1, 0), (1, 1)]);
+    scheduler.lost(1);
+    scheduler.lost(1);
+    assert_eq!(scheduler.lost_tiles(), 2);
+    assert!(scheduler.assign(start).is_empty());
+    scheduler.joined(2, 3);
+    assert_eq!(scheduler.assign(start), [(2, 0), (2, 1), (2, 2)]);
+    // A tile from a shader that was given up for lost counts for nothing.
+    assert_eq!(scheduler.completed(0, 1, start), Completion::Duplicate);
+    assert_eq!(scheduler.completed(0, 2, start), Completion::First);
+}
+
+#[test]
+fn a_late_tile_goes_to_an_idle_shader_once() {
+    let start = Instant::now();
+    let mut scheduler = Scheduler::new(0..2, LatePolicy::default());
+    scheduler.joined(1, 1);
+    scheduler.joined(2, 1);
+    assert_eq!(scheduler.assign(start), [(1, 0), (2, 1)]);
+    assert_eq!(scheduler.completed(1, 2, at(start, 10)), Completion::First);
+    assert!(scheduler.assign(at(start, 50)).is_empty());
+    let deadline = scheduler.next_deadline().unwrap();
+    assert_eq!(deadline, at(start, 100));
+    assert_eq!(scheduler.assign(deadline), [(2, 0)]);
+    assert_eq!(scheduler.reissued_tiles(), 1);
+    assert!(scheduler.assign(at(start, 9999)).is_empty());
+    assert_eq!(
+        scheduler.completed(0, 2, at(start, 9999)),
+        Completion::First
+    );
+    assert!(scheduler.is_done());
+    assert_eq!(
+        scheduler.completed(0, 1, at(start, 9999)),
+        Completion::Duplicate
+    );
+}
+
+#[test]
+fn a_late_tile_whose_second_shader_dies_stays_with_the_first() {
+    let start = Instant::now();
+    let mut scheduler = Scheduler::new(0..1, LatePolicy::default());
+    scheduler.joined(1, 1);
+    scheduler.joined(2, 1);
+    assert_eq!(scheduler.assign(start), [(1, 0)]);
+    assert_eq!(scheduler.assign(at(start, 5000)), [(2, 0)]);
+    scheduler.lost(2);
+    assert!(scheduler.assign(start).is_empty());
+    assert_eq!(
+        scheduler.completed(0, 1, at(start, 6000)),
+        Completion::First
+    );
+}
+
+#[test]
+fn the_middle_comes_first() {
+    let centres: Vec<_> = (0..3)
+        .flat_map(|y| (0..3).map(move |x| (16 + 32 * x, 16 + 32 * y)))
+        .collect();
+    let order = centre_out(&centres, (96, 96));
+    assert_eq!(order, [4, 1, 3, 5, 7, 0, 2, 6, 8]);
+    assert!(centre_out(&[], (1, 1)).is_empty());
+}
+
+/// What may happen between two assignments.
+#[derive(Clone, Copy, Debug)]
+enum Event {
+    Join(u32),
+    Lose(u32),
+    /// Of the tiles in flight; the first without an index.
+    Complete(Option<prop::sample::Index>),
+    Wait(u16),
+}
+
+fn event() -> impl Strategy<Value = Event> {
+    prop_oneof![
+        1 => (0u32..5).prop_map(Event::Join),
+        1 => (0u32..5).prop_map(Event::Lose),
+        6 => any::<prop::sample::Index>().prop_map(|index| Event::Complete(Some(index))),
+        2 => (0u16..2000).prop_map(Event::Wait),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn every_tile_is_done_once_whatever_is_lost(
+        tiles in 0u32..40,
+        events in proptest::collection::vec(event(), 0..200),
+    ) {
+        let credits = |shader: u32| 1 + shader as usize % 3;
+        let mut now = Instant::now();
+        let mut scheduler = Scheduler::new(0..tiles, LatePolicy::default());
+        let mut flying: Vec<(ShaderId, u32)> = Vec::new();
+        let mut done = vec![0; tiles as usize];
+        // After the events one shader lives and answers everything.
+        let closing = std::iter::once(Event::Join(9))
+            .chain((0..5).map(Event::Lose))
+            .chain(std::iter::repeat_n(Event::Complete(None), 1000));
+        for event in events.into_iter().chain(closing) {
+            match event {
+                Event::Join(shader) => scheduler.joined(shader, credits(shader)),
+                Event::Lose(shader) => {
+                    scheduler.lost(shader);
+                    flying.retain(|&(holder, _)| holder != shader);
+                }
+                Event::Complete(index) if !flying.is_empty() => {
+                    let (shader, tile) = flying.swap_remove(index.map_or(0, |index| index.index(flying.len())));
+                    if scheduler.completed(tile, shader, now) == Completion::First {
+                        done[tile as usize] += 1;
+                    }
+                }
+                Event::Complete(_) => {}
+                Event::Wait(ms) => now += Duration::from_millis(ms.into()),
+            }
+            flying.extend(scheduler.assign(now));
+            for shader in 0..10 {
+                let held = flying.iter().filter(|&&(holder, _)| holder == shader).count();
+                prop_assert!(held <= credits(shader));
+                prop_assert_eq!(held, scheduler.in_flight(shader));
+            }
+        }
+        prop_assert!(scheduler.is_done());
+        prop_assert!(done.iter().all(|&times| times == 1));
+    }
+}

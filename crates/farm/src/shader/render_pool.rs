@@ -1,0 +1,194 @@
+use std::{
+    collections::VecDeque,
+    io,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{
+        Arc, Condvar, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, AtomicU32, Ordering},
+    },
+    thread,
+    time::Instant,
+};
+
+use lie_protocol::{
+    Compression, PixelFormat, ShaderToClient, TileDone, TileReport, TileRequest, WireCost,
+    WireIntegrator,
+};
+use lie_render::{FrameSettings, LieLookup, RenderStats, Tile, render_tile};
+use lie_scene::Camera;
+use tokio::sync::{Notify, mpsc};
+
+use super::stage::Stage;
+use crate::pixels;
+
+/// A client's frame, shared by its tiles.
+pub(super) struct FrameWork {
+    pub(super) number: u64,
+    pub(super) stage: Arc<Stage>,
+    pub(super) camera: Camera,
+    pub(super) settings: FrameSettings,
+    pub(super) integrator: WireIntegrator,
+    pub(super) format: PixelFormat,
+    pub(super) compression: Compression,
+    /// Nobody wants this frame any more.
+    pub(super) cancelled: AtomicBool,
+    /// Tiles that are queued or in work.
+    pub(super) outstanding: AtomicU32,
+    /// To the client.
+    pub(super) outbox: mpsc::Sender<ShaderToClient>,
+    /// Rings when the box is full: the session must end, or a tile would be missed for ever.
+    pub(super) overflow: Arc<Notify>,
+}
+
+/// One tile to render.
+pub(super) struct Job {
+    pub(super) frame: Arc<FrameWork>,
+    pub(super) request: TileRequest,
+    pub(super) tile: Tile,
+    pub(super) arrived: Instant,
+}
+
+/// Threads that render tiles in the order in which they were asked for.
+///
+/// The queue is bounded because each session bounds its frame's outstanding tiles.
+pub(super) struct RenderPool(Arc<Queue>);
+
+#[derive(Default)]
+struct Queue {
+    state: Mutex<State>,
+    news: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    jobs: VecDeque<Job>,
+    closed: bool,
+}
+
+impl RenderPool {
+    /// Starts the threads.
+    pub(super) fn start(threads: usize) -> io::Result<Self> {
+        let queue = Arc::new(Queue::default());
+        for index in 0..threads {
+            let queue = queue.clone();
+            thread::Builder::new()
+                .name(format!("render-{index}"))
+                .spawn(move || work(&queue))?;
+        }
+        Ok(Self(queue))
+    }
+
+    /// Adds a tile to the queue.
+    pub(super) fn submit(&self, job: Job) {
+        job.frame.outstanding.fetch_add(1, Ordering::Relaxed);
+        self.0.lock().jobs.push_back(job);
+        self.0.news.notify_one();
+    }
+
+    /// Drops the tiles of cancelled frames now, rather than when their turn comes.
+    pub(super) fn forget_cancelled(&self) {
+        let cancelled = |job: &Job| job.frame.cancelled.load(Ordering::Relaxed);
+        self.0.lock().jobs.retain(|job| !cancelled(job));
+    }
+
+    /// Ends the threads when they have finished the tile at hand.
+    pub(super) fn close(&self) {
+        let mut state = self.0.lock();
+        state.closed = true;
+        state.jobs.clear();
+        self.0.news.notify_all();
+    }
+}
+
+impl Queue {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Nothing in here can panic half-way.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits for a job; `None` when there will be none.
+    fn next(&self) -> Option<Job> {
+        let idle = |state: &mut State| state.jobs.is_empty() && !state.closed;
+        let waited = self.news.wait_while(self.lock(), idle);
+        waited
+            .unwrap_or_else(PoisonError::into_inner)
+            .jobs
+            .pop_front()
+    }
+}
+
+fn work(queue: &Queue) {
+    while let Some(job) = queue.next() {
+        if job.frame.cancelled.load(Ordering::Relaxed) {
+            continue;
+        }
+        // A tile that cannot be rendered must not take its thread along.
+        match catch_unwind(AssertUnwindSafe(|| render(&job))) {
+            Ok(Some(done)) => deliver(&job.frame, done),
+            Ok(None) => {}
+            Err(_) => tracing::error!("tile {:?} could not be rendered", job.tile),
+        }
+        job.frame.outstanding.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+fn render(job: &Job) -> Option<TileDone> {
+    let frame = &*job.frame;
+    let started = Instant::now();
+    let lies = match frame.integrator {
+        WireIntegrator::Standard => None,
+        WireIntegrator::Lie => Some(frame.stage.lies.load_full()),
+    };
+    let result = render_tile(
+        &frame.stage.world,
+        lies.as_deref().map(|lies| lies as &dyn LieLookup),
+        &frame.camera,
+        &frame.settings,
+        job.tile,
+        &frame.cancelled,
+    )?;
+    let report = TileReport {
+        frame: frame.number,
+        tile: job.request.tile,
+        lie_version: lies.map_or(0, |lies| lies.version()),
+        cost: WireCost {
+            queued_ns: started.duration_since(job.arrived).as_nanos() as u64,
+            render_ns: started.elapsed().as_nanos() as u64,
+            ..cost(&result.stats)
+        },
+    };
+    let radiance = result.radiance.radiance();
+    Some(TileDone {
+        report,
+        pixels: pixels::pack(radiance, frame.format, frame.compression),
+    })
+}
+
+fn cost(stats: &RenderStats) -> WireCost {
+    WireCost {
+        queued_ns: 0,
+        render_ns: 0,
+        visibility_ns: stats.visibility_ns,
+        unoccluded_ns: stats.unoccluded_ns,
+        partial_ns: stats.partial_ns,
+        full_ns: stats.full_ns,
+        primary_rays: stats.primary_rays,
+        shadow_rays: stats.shadow_rays,
+        list_rays: stats.list_rays,
+        occluder_tests: stats.occluder_tests,
+        evaluations: stats.evaluations,
+        trusted: stats.trusted,
+    }
+}
+
+/// Never waits: the box has room for what a client that keeps up can have asked for.
+fn deliver(frame: &FrameWork, done: TileDone) {
+    if frame.cancelled.load(Ordering::Relaxed) {
+        return;
+    }
+    if let Err(mpsc::error::TrySendError::Full(_)) =
+        frame.outbox.try_send(ShaderToClient::TileDone(done))
+    {
+        frame.overflow.notify_one();
+    }
+}

@@ -1,0 +1,168 @@
+use lie_protocol::{
+    ClientToShader, ConstructorToShader as Out, LieDelta, SceneChunk, SceneReady, ShaderToClient,
+    ShaderToConstructor as In, ShaderWelcome, WireBody, WireCell, WireLieSettings,
+};
+use tokio::io::{ReadHalf, WriteHalf};
+
+use super::*;
+use crate::{
+    connection::{Receiver, Sender},
+    handshake,
+    scene_blob::{SceneBlob, encode, tests::full_scene},
+};
+
+type Ends = (Receiver<ReadHalf<TcpStream>>, Sender<WriteHalf<TcpStream>>);
+
+fn cell(key: u64, version: u64) -> WireCell {
+    WireCell {
+        key,
+        version,
+        body: WireBody::Leaf {
+            lights: vec![],
+            hidden: vec![],
+        },
+    }
+}
+
+fn delta(from_version: u64, to_version: u64) -> Out {
+    Out::LieDelta(LieDelta {
+        from_version,
+        to_version,
+        part: 0,
+        last: true,
+        cells: vec![cell(1, to_version)],
+    })
+}
+
+/// Takes a shader in, as a constructor would, and gives it the scene if it asks.
+async fn welcome(listener: &TcpListener, blob: &SceneBlob) -> (Ends, bool) {
+    let (stream, _) = listener.accept().await.unwrap();
+    let (mut receiver, mut sender) = connection::split(stream);
+    handshake::await_hello(&mut receiver, &mut sender)
+        .await
+        .unwrap();
+    let scene = blob.hash();
+    let welcome = ShaderWelcome {
+        id: 1,
+        scene,
+        scene_length: blob.bytes().len() as u64,
+        settings: WireLieSettings {
+            max_depth: 4,
+            split_threshold: 4,
+            trust: 1,
+        },
+    };
+    sender.send(&Out::Welcome(welcome)).await.unwrap();
+    let mut asked = false;
+    loop {
+        match receiver.receive::<In>().await.unwrap() {
+            In::SceneRequest(_) => {
+                asked = true;
+                let chunk = SceneChunk {
+                    offset: 0,
+                    bytes: blob.bytes().to_vec(),
+                };
+                sender.send(&Out::SceneChunk(chunk)).await.unwrap();
+                sender
+                    .send(&Out::SceneReady(SceneReady { scene }))
+                    .await
+                    .unwrap();
+            }
+            In::Subscribe(_) => return ((receiver, sender), asked),
+            _ => {}
+        }
+    }
+}
+
+async fn next_resync(receiver: &mut Receiver<ReadHalf<TcpStream>>) -> u64 {
+    loop {
+        if let In::Resync(request) = receiver.receive().await.unwrap() {
+            return request.have_version;
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_gap_leads_to_a_resync_and_a_damaged_cache_to_another_fetch() {
+    let home = tempfile::tempdir().unwrap();
+    let cache = SceneCache::open(home.path()).unwrap();
+    let blob = SceneBlob::new(encode(&full_scene()).unwrap());
+    let constructor = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let config = ShaderConfig {
+        constructor: constructor.local_addr().unwrap().to_string(),
+        exposure: Exposure::Loopback,
+        threads: 1,
+        cache: Some(cache.clone()),
+    };
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap();
+    let shutdown = CancellationToken::new();
+    let shader = tokio::spawn(run(config, listener, shutdown.clone()));
+
+    let ((mut receiver, mut sender), asked) = welcome(&constructor, &blob).await;
+    assert!(asked);
+    sender.send(&delta(0, 1)).await.unwrap();
+    sender.send(&delta(1, 2)).await.unwrap();
+    sender.send(&delta(5, 6)).await.unwrap();
+    assert_eq!(next_resync(&mut receiver).await, 2);
+    // What follows does not fit either, until the snapshot.
+    sender.send(&delta(6, 7)).await.unwrap();
+    assert_eq!(next_resync(&mut receiver).await, 2);
+    sender.send(&delta(0, 7)).await.unwrap();
+    sender.send(&delta(9, 10)).await.unwrap();
+    assert_eq!(next_resync(&mut receiver).await, 7);
+
+    // A constructor that comes back finds the scene in place.
+    drop((receiver, sender));
+    let (ends, asked) = welcome(&constructor, &blob).await;
+    assert!(!asked);
+    drop(ends);
+
+    // Clients are served all the while.
+    let stream = TcpStream::connect(address).await.unwrap();
+    let (mut receiver, mut sender) = connection::split(stream);
+    let hello = handshake::hello(lie_protocol::Role::Client, 0, 0);
+    let answer = handshake::greet(&mut receiver, &mut sender, hello)
+        .await
+        .unwrap();
+    let ShaderToClient::Welcome(welcome_message) = answer else {
+        panic!("{answer:?}");
+    };
+    assert_eq!(welcome_message.scene, blob.hash());
+    // A tile of no frame breaks the rules and ends this session alone.
+    let request = lie_protocol::TileRequest {
+        frame: 1,
+        tile: 0,
+        origin: [0, 0],
+        size: [1, 1],
+    };
+    sender
+        .send(&ClientToShader::TileRequest(request))
+        .await
+        .unwrap();
+    while receiver.receive::<ShaderToClient>().await.is_ok() {}
+    shutdown.cancel();
+    shader.await.unwrap().unwrap();
+
+    // A new process takes the scene from the cache, but not from a damaged one.
+    for (damage, expected) in [(false, false), (true, true)] {
+        if damage {
+            std::fs::write(cache.path(blob.hash()), b"scene").unwrap();
+        }
+        let config = ShaderConfig {
+            constructor: constructor.local_addr().unwrap().to_string(),
+            exposure: Exposure::Loopback,
+            threads: 1,
+            cache: Some(cache.clone()),
+        };
+        let shutdown = CancellationToken::new();
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let shader = tokio::spawn(run(config, listener, shutdown.clone()));
+        let (ends, asked) = welcome(&constructor, &blob).await;
+        assert_eq!(asked, expected);
+        shutdown.cancel();
+        drop(ends);
+        shader.await.unwrap().unwrap();
+    }
+    assert_eq!(cache.load(blob.hash()).as_deref(), Some(blob.bytes()));
+}

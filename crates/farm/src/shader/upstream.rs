@@ -1,0 +1,199 @@
+use std::{sync::Arc, time::Duration};
+
+use lie_octree::LieSettings;
+use lie_protocol::{
+    ConstructorToShader as In, Ping, Pong, ResyncRequest, Role, ShaderReady,
+    ShaderToConstructor as Out, ShaderWelcome, Subscribe,
+};
+use tokio::{io::AsyncRead, sync::mpsc, task::spawn_blocking, time::sleep};
+
+use super::{
+    ShaderConfig, ShaderError, Shared,
+    assembly::{Assembly, Update},
+    scene_fetch,
+    stage::Stage,
+};
+use crate::{
+    LieReplica,
+    connection::{self, LinkError, Receiver},
+    handshake,
+    network::{self, NetworkError},
+    outbox::drain,
+};
+
+/// First pause before dialling again; it doubles up to the last.
+const FIRST_PAUSE: Duration = Duration::from_millis(100);
+const LAST_PAUSE: Duration = Duration::from_secs(2);
+/// Messages to the constructor that may wait.
+const OUTBOX: usize = 16;
+
+/// Keeps a connection to the constructor, dialling again whenever it is lost.
+pub(super) async fn keep(
+    config: &ShaderConfig,
+    shared: &Shared,
+    port: u16,
+) -> Result<(), ShaderError> {
+    let work = async {
+        let mut pause = FIRST_PAUSE;
+        loop {
+            match network::dial(&config.constructor, config.exposure).await {
+                Ok(stream) => {
+                    let ended = session(config, shared, port, stream, &mut pause).await;
+                    tracing::warn!("the constructor is gone: {ended}; dialling again");
+                }
+                Err(error @ NetworkError::Dial { .. }) => {
+                    if pause == FIRST_PAUSE {
+                        tracing::info!("{error}; trying again until it is there");
+                    } else {
+                        tracing::debug!("{error}");
+                    }
+                }
+                // Names may be unknown for a while; addresses never become others.
+                Err(error) => return Err(ShaderError::Constructor(error)),
+            }
+            sleep(pause).await;
+            pause = (2 * pause).min(LAST_PAUSE);
+        }
+    };
+    tokio::select! {
+        result = work => result,
+        () = shared.shutdown.cancelled() => Ok(()),
+    }
+}
+
+/// One connection from beginning to end; says why it ended.
+async fn session(
+    config: &ShaderConfig,
+    shared: &Shared,
+    port: u16,
+    stream: tokio::net::TcpStream,
+    pause: &mut Duration,
+) -> LinkError {
+    let (mut receiver, mut sender) = connection::split(stream);
+    let hello = handshake::hello(Role::Shader, shared.threads, port);
+    let welcome = match handshake::greet(&mut receiver, &mut sender, hello).await {
+        Ok(In::Welcome(welcome)) => welcome,
+        Ok(In::Refuse(refusal)) => return LinkError::Refused(refusal.reason),
+        Ok(_) => return LinkError::Rules("no welcome".to_owned()),
+        Err(error) => return error,
+    };
+    *pause = FIRST_PAUSE;
+    tracing::info!("the constructor's shader {}", welcome.id);
+    let (outbox, messages) = mpsc::channel(OUTBOX);
+    let ended = tokio::select! {
+        ended = follow(config, shared, &welcome, &mut receiver, &outbox) => ended,
+        ended = drain(&mut sender, messages, &shared.shutdown, |_| true) => ended,
+    };
+    ended.err().unwrap_or(LinkError::Closed)
+}
+
+/// Gets the scene, then takes in LIE updates for as long as they come.
+async fn follow<R: AsyncRead + Unpin>(
+    config: &ShaderConfig,
+    shared: &Shared,
+    welcome: &ShaderWelcome,
+    receiver: &mut Receiver<R>,
+    outbox: &mpsc::Sender<Out>,
+) -> Result<(), LinkError> {
+    let settings = LieSettings {
+        max_depth: welcome.settings.max_depth,
+        split_threshold: welcome.settings.split_threshold,
+        trust: welcome.settings.trust,
+    };
+    let present = shared.stage.borrow().clone();
+    let stage = match present.filter(|stage| stage.scene == welcome.scene) {
+        Some(stage) => stage,
+        None => {
+            let cache = config.cache.as_ref();
+            let world = scene_fetch::world(welcome, cache, receiver, outbox).await?;
+            let stage = Arc::new(Stage::new(welcome.scene, world, settings));
+            shared.stage.send_replace(Some(stage.clone()));
+            stage
+        }
+    };
+    let scene = welcome.scene;
+    post(outbox, Out::Subscribe(Subscribe { scene }))?;
+    let mut ready = false;
+    let mut assembly = Assembly::default();
+    let mut replica = Some(LieReplica::new(stage.world.clone(), settings));
+    loop {
+        match receiver.receive().await? {
+            In::LieDelta(part) => {
+                let update = assembly.add(part);
+                let update = update.map_err(|error| LinkError::Rules(error.to_string()))?;
+                if let Some(update) = update {
+                    let current = replica.take();
+                    let is_snapshot = update.from_version == 0;
+                    replica = Some(take_in(current, update, &stage, settings, outbox).await?);
+                    if is_snapshot && !std::mem::replace(&mut ready, true) {
+                        post(outbox, Out::Ready(ShaderReady { scene }))?;
+                    }
+                }
+            }
+            other => answer(other, outbox)?,
+        }
+    }
+}
+
+/// Applies an update, or asks for a snapshot if it does not fit. Work for another thread.
+async fn take_in(
+    replica: Option<LieReplica>,
+    update: Update,
+    stage: &Arc<Stage>,
+    settings: LieSettings,
+    outbox: &mpsc::Sender<Out>,
+) -> Result<LieReplica, LinkError> {
+    let fresh = || LieReplica::new(stage.world.clone(), settings);
+    let mut replica = match replica {
+        Some(replica) if update.from_version != 0 => replica,
+        _ => fresh(),
+    };
+    if update.from_version != replica.version() {
+        let have_version = replica.version();
+        tracing::info!(
+            "an update from version {} came at version {have_version}: asking for a snapshot",
+            update.from_version
+        );
+        post(outbox, Out::Resync(ResyncRequest { have_version }))?;
+        return Ok(replica);
+    }
+    let stage = stage.clone();
+    let applied = spawn_blocking(move || {
+        replica.apply(&update.cells, update.to_version)?;
+        stage.lies.store(Arc::new(replica.publish()));
+        Ok(replica)
+    })
+    .await;
+    match applied {
+        Ok(Ok(replica)) => Ok(replica),
+        Ok(Err::<_, crate::ReplicaError>(error)) => Err(LinkError::Rules(error.to_string())),
+        Err(_) => Err(LinkError::Rules(
+            "an update could not be applied".to_owned(),
+        )),
+    }
+}
+
+/// Deals with what may come at any time.
+pub(super) fn answer(message: In, outbox: &mpsc::Sender<Out>) -> Result<(), LinkError> {
+    match message {
+        In::Ping(Ping { nonce }) => {
+            // A full box means that bytes are on their way: sign of life enough.
+            let _ = outbox.try_send(Out::Pong(Pong { nonce }));
+            Ok(())
+        }
+        In::Pong(_) => Ok(()),
+        In::Goodbye(goodbye) => Err(LinkError::Refused(goodbye.reason)),
+        In::Refuse(refusal) => Err(LinkError::Refused(refusal.reason)),
+        // While the scene is on its way nothing else is expected, and afterwards no more of it.
+        In::Welcome(_) | In::SceneChunk(_) | In::SceneReady(_) | In::LieDelta(_) => {
+            Err(LinkError::Rules("a message at the wrong time".to_owned()))
+        }
+    }
+}
+
+/// Puts a message into the box, which never fills up unless the constructor takes nothing.
+pub(super) fn post(outbox: &mpsc::Sender<Out>, message: Out) -> Result<(), LinkError> {
+    outbox
+        .try_send(message)
+        .map_err(|_| LinkError::Rules("the constructor takes no messages".to_owned()))
+}

@@ -1,0 +1,78 @@
+use serde::{Deserialize, Serialize};
+
+use crate::{body::Control, bounded, limit};
+
+/// How the constructor's octree is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WireLieSettings {
+    /// Levels below the root.
+    pub max_depth: u32,
+    /// Sum of occluders above which a cell splits.
+    pub split_threshold: u32,
+    /// Samples that must agree before a light in a cell is relied on.
+    pub trust: u32,
+}
+
+/// One part of an update: the newest states of the cells that have changed between two
+/// versions. The receiver applies all parts together when the last one is there.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LieDelta {
+    /// What the receiver must have; 0 is a snapshot, which replaces everything.
+    pub from_version: u64,
+    /// What the receiver then has.
+    pub to_version: u64,
+    /// Counts the parts from 0.
+    pub part: u32,
+    /// Whether no part follows.
+    pub last: bool,
+    /// Parents before children over all parts.
+    #[serde(deserialize_with = "bounded::list::<{ limit::CELLS }, _, _>")]
+    pub cells: Vec<WireCell>,
+}
+
+/// An octree cell's whole state: applying it twice is the same as once.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WireCell {
+    /// A leading 1, then three bits per level.
+    pub key: u64,
+    /// Rises with every change of the cell.
+    pub version: u64,
+    /// The state.
+    pub body: WireBody,
+}
+
+/// What a cell is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WireBody {
+    /// Split into eight.
+    Interior,
+    /// What is trusted of each light; one in neither list is doubtful.
+    Leaf {
+        /// The lights that reach the cell, in rising order.
+        #[serde(deserialize_with = "bounded::list::<{ limit::LIGHTS }, _, _>")]
+        lights: Vec<WireLight>,
+        /// The lights that do not, in rising order.
+        #[serde(deserialize_with = "bounded::list::<{ limit::LIGHTS }, _, _>")]
+        hidden: Vec<u32>,
+    },
+}
+
+/// A light that reaches a cell.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WireLight {
+    /// Its number.
+    pub light: u32,
+    /// Triangles that block some of its rays to the cell; none if it is unoccluded.
+    #[serde(deserialize_with = "bounded::list::<{ limit::OCCLUDERS }, _, _>")]
+    pub occluders: Vec<u32>,
+}
+
+/// The receiver has missed something and wants a snapshot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ResyncRequest {
+    /// What it has.
+    pub have_version: u64,
+}
+
+impl Control for LieDelta {}
+impl Control for ResyncRequest {}

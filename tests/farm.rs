@@ -1,0 +1,283 @@
+//! Constructors, shaders and clients as real processes over real sockets, and what becomes
+//! of a frame when they die, hang, come late or talk nonsense.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod support;
+
+use std::{
+    io::{Read, Write},
+    net::{TcpListener, TcpStream},
+    time::Duration,
+};
+
+use glam::UVec2;
+use lie_farm::{
+    client::{Client, ClientConfig, Frame, FrameRequest},
+    convert,
+    network::Exposure,
+};
+use lie_protocol::{Compression, Decoder, Header, Opening, PixelFormat, WireIntegrator};
+use support::{LONG, Process};
+use tokio::time::sleep;
+
+async fn connect(constructor: &Process) -> Client {
+    let config = ClientConfig::new(&constructor.address, Exposure::Loopback);
+    Client::connect(config).await.unwrap()
+}
+
+/// A frame of the first camera; with more samples it takes longer.
+fn request(client: &Client, samples_per_pixel: u32) -> FrameRequest {
+    FrameRequest {
+        camera: convert::camera(&client.scene().cameras[0]).unwrap(),
+        size: UVec2::new(160, 120),
+        samples_per_pixel,
+        light_samples: 16,
+        integrator: WireIntegrator::Standard,
+        seed: 7,
+        format: PixelFormat::F32,
+        compression: Compression::Lz4,
+    }
+}
+
+/// Renders a frame of a second or more, and does something when it is under way.
+async fn render_while(client: &mut Client, during: impl AsyncFnOnce()) -> Frame {
+    let request = request(client, 160);
+    let meanwhile = async {
+        sleep(Duration::from_millis(200)).await;
+        during().await;
+    };
+    let (frame, ()) = tokio::join!(client.render_frame(&request), meanwhile);
+    frame.unwrap()
+}
+
+#[tokio::test]
+async fn a_shader_killed_within_a_frame_costs_time_and_nothing_else() {
+    let constructor = Process::constructor(&[]);
+    let mut first = Process::shader(&constructor.address);
+    let _second = Process::shader(&constructor.address);
+    let mut client = connect(&constructor).await;
+    client.wait_for_shaders(2).await;
+    let disturbed = render_while(&mut client, async || first.kill()).await;
+    assert!(disturbed.stats.lost_tiles > 0, "{:?}", disturbed.stats);
+    let quiet = render_while(&mut client, async || ()).await;
+    assert!(disturbed.film == quiet.film, "the pictures differ");
+    assert_eq!(quiet.stats.lost_tiles, 0);
+    assert_eq!(client.shaders(), 1);
+}
+
+#[tokio::test]
+async fn a_shader_that_hangs_is_worked_around() {
+    let constructor = Process::constructor(&[]);
+    let first = Process::shader(&constructor.address);
+    let _second = Process::shader(&constructor.address);
+    let mut client = connect(&constructor).await;
+    client.wait_for_shaders(2).await;
+    let disturbed = render_while(&mut client, async || first.stop()).await;
+    let rescued = disturbed.stats.reissued_tiles + disturbed.stats.lost_tiles;
+    assert!(rescued > 0, "{:?}", disturbed.stats);
+    let quiet = render_while(&mut client, async || ()).await;
+    assert!(disturbed.film == quiet.film, "the pictures differ");
+}
+
+#[tokio::test]
+async fn shaders_that_come_late_are_used_within_the_frame() {
+    let constructor = Process::constructor(&[]);
+    let mut client = connect(&constructor).await;
+    // The frame is begun before there is anybody; then one comes, then another.
+    let mut shaders = Vec::new();
+    let frame = render_while(&mut client, async || {
+        shaders.push(Process::shader(&constructor.address));
+        sleep(Duration::from_millis(300)).await;
+        shaders.push(Process::shader(&constructor.address));
+    })
+    .await;
+    let tiles: Vec<u64> = frame.stats.shaders.iter().map(|s| s.tiles).collect();
+    assert!(
+        tiles.len() == 2 && tiles.iter().all(|&tiles| tiles > 0),
+        "{tiles:?}"
+    );
+}
+
+#[tokio::test]
+async fn pictures_go_on_without_the_constructor_and_it_may_come_back() {
+    let mut constructor = Process::constructor(&[]);
+    let address = constructor.address.clone();
+    let shader = Process::shader(&address);
+    let mut client = connect(&constructor).await;
+    client.wait_for_shaders(1).await;
+    constructor.kill();
+    let request = FrameRequest {
+        integrator: WireIntegrator::Lie,
+        ..request(&client, 1)
+    };
+    let frame = client.render_frame(&request).await.unwrap();
+    assert_eq!(frame.stats.lost_tiles, 0);
+
+    let _constructor = Process::constructor(&["--listen", &address]);
+    let serial = client.set_camera(&request.camera, request.size);
+    assert!(client.settled(serial, LONG).await);
+    support::wait_until("the shader is back", || {
+        shader.log().matches("the constructor's shader").count() == 2
+    });
+    let mut version = 0;
+    for _ in 0..200 {
+        let frame = client.render_frame(&request).await.unwrap();
+        version = frame.stats.lie_version;
+        if version > 0 {
+            break;
+        }
+        sleep(Duration::from_millis(50)).await;
+    }
+    assert!(version > 0, "the new constructor's LIEs are not used");
+}
+
+#[tokio::test]
+async fn another_version_and_garbage_are_refused_and_disturb_nobody() {
+    let constructor = Process::constructor(&[]);
+    let _shader = Process::shader(&constructor.address);
+
+    let mut future = TcpStream::connect(&constructor.address).unwrap();
+    let body = [99, 0, 1, 1, 0, 0, 0, 0, 0, 3, 0, b'v', b'9', b'9'];
+    let header = Header {
+        version: 99,
+        kind: 1,
+        length: body.len() as u32,
+    };
+    future.write_all(&header.to_bytes()).unwrap();
+    future.write_all(&body).unwrap();
+    let mut answer = Vec::new();
+    future.read_to_end(&mut answer).unwrap();
+    let mut decoder = Decoder::default();
+    decoder.push(&answer);
+    let Some(Opening::Refuse(refusal)) = decoder.next().unwrap() else {
+        panic!("{answer:?}");
+    };
+    for part in ["version 99", "v99", "version 1"] {
+        assert!(refusal.reason.as_str().contains(part), "{refusal:?}");
+    }
+
+    let mut nonsense = TcpStream::connect(&constructor.address).unwrap();
+    let from = nonsense.local_addr().unwrap().to_string();
+    nonsense.write_all(b"GET / HTTP/1.1\r\n\r\n").unwrap();
+    let mut end = Vec::new();
+    // It may also be reset, since the rest of what we sent was never read.
+    let _ = nonsense.read_to_end(&mut end);
+    assert!(end.is_empty());
+    support::wait_until("the log names the peer", || {
+        constructor.log().lines().any(|line| line.contains(&from))
+    });
+
+    // One that says nothing keeps nobody from work.
+    let _silent = TcpStream::connect(&constructor.address).unwrap();
+    let mut client = connect(&constructor).await;
+    let request = request(&client, 1);
+    client.render_frame(&request).await.unwrap();
+    assert!(constructor.end().success());
+}
+
+#[test]
+fn wrong_addresses_end_in_one_clear_line() {
+    let scene = support::cornell();
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let mut constructor = support::lie();
+    let in_use = constructor
+        .arg("constructor")
+        .arg(&scene)
+        .args(["--listen", &address]);
+    let in_use = support::failure(in_use, 1);
+    assert!(
+        in_use.starts_with(&format!("error: cannot listen on {address}: ")),
+        "{in_use}"
+    );
+    assert_eq!(in_use.lines().count(), 1, "{in_use}");
+
+    let mut constructor = support::lie();
+    let outside = constructor
+        .arg("constructor")
+        .arg(&scene)
+        .args(["--listen", "0.0.0.0:0"]);
+    let outside = support::failure(outside, 2);
+    assert!(outside.contains("--insecure"), "{outside}");
+
+    for wrong in ["nowhere", "127.0.0.1:", "127.0.0.1:70000"] {
+        let message = support::failure(support::lie().args(["shader", "--constructor", wrong]), 2);
+        assert!(message.contains("HOST:PORT"), "{message}");
+    }
+    let missing = support::failure(support::lie().args(["run", "no/such/scene"]), 2);
+    assert!(missing.contains("no/such/scene"), "{missing}");
+}
+
+#[test]
+fn no_child_outlives_its_parent() {
+    let mut parent = support::lie();
+    parent.arg("run").arg(support::cornell());
+    parent.args(["--shaders", "2", "--frames", "1000000", "--size", "64x64"]);
+    let mut parent = parent.spawn().unwrap();
+    let mut children = Vec::new();
+    support::wait_until("three children run", || {
+        children = support::children_of(parent.id());
+        children.len() == 3
+    });
+    parent.kill().unwrap();
+    parent.wait().unwrap();
+    support::wait_until("the children have ended", || {
+        !children.iter().any(|&child| support::runs(child))
+    });
+}
+
+#[test]
+fn an_interrupted_run_ends_its_children() {
+    let mut parent = support::lie();
+    parent.arg("run").arg(support::cornell());
+    parent.args(["--shaders", "2", "--frames", "1000000", "--size", "64x64"]);
+    let mut parent = parent.stderr(std::process::Stdio::null()).spawn().unwrap();
+    let mut children = Vec::new();
+    support::wait_until("three children run", || {
+        children = support::children_of(parent.id());
+        children.len() == 3
+    });
+    support::signal("-INT", parent.id());
+    assert_eq!(parent.wait().unwrap().code(), Some(1));
+    assert!(!children.iter().any(|&child| support::runs(child)));
+}
+
+#[test]
+fn frozen_frames_are_the_same_with_one_two_and_three_shaders() {
+    let home = tempfile::tempdir().unwrap();
+    let mut pictures = Vec::new();
+    for shaders in ["1", "2", "3"] {
+        let out = home.path().join(shaders);
+        let stats = home.path().join("stats.json");
+        let mut run = support::lie();
+        run.arg("run")
+            .arg(support::cornell())
+            .args(["--shaders", shaders]);
+        run.args(["--frames", "2", "--size", "96x80", "--precision", "float"]);
+        run.args(["--freeze", "--samples", "30000"]);
+        run.arg("--cache").arg(home.path().join("cache"));
+        run.arg("--out").arg(&out).arg("--stats").arg(&stats);
+        let output = run.output().unwrap();
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let stats: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(&stats).unwrap()).unwrap();
+        assert_eq!(stats["frames"].as_array().unwrap().len(), 2);
+        assert!(stats["lie"]["frozen"].as_bool().unwrap());
+        for frame in stats["frames"].as_array().unwrap() {
+            assert!(frame["lie_version"].as_u64().unwrap() > 0, "{frame}");
+            assert_eq!(frame["lie_version"], frame["lie_version_max"]);
+        }
+        // The files may hold their blocks in any order: what counts is the pixels.
+        pictures.push(
+            ["frame-0000.exr", "frame-0001.exr"]
+                .map(|name| lie_render::read_image(&out.join(name)).unwrap()),
+        );
+    }
+    assert!(pictures[0] == pictures[1], "one and two shaders differ");
+    assert!(pictures[1] == pictures[2], "two and three shaders differ");
+}
