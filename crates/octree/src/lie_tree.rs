@@ -27,7 +27,7 @@ impl Default for LieSettings {
         Self {
             max_depth: 9,
             split_threshold: 24,
-            trust: 64,
+            trust: 128,
         }
     }
 }
