@@ -233,7 +233,9 @@ impl ViewProgress {
     }
 
     /// The film point of a sample: every pixel once in a pass, in an order that is spread
-    /// over the picture from the first sample on, at a random place inside the pixel.
+    /// over the picture from the first sample on. Every other pass goes through the pixels'
+    /// centres, where a frame with one sample per pixel looks: what only a single pixel
+    /// shows is found as well. The passes between go through random places.
     fn film_point(&self, sample: u64) -> (Vec2, RandomKey) {
         let size = self.view.size;
         let pixels = u64::from(size.x) * u64::from(size.y);
@@ -251,7 +253,12 @@ impl ViewProgress {
             (pixel % u64::from(size.x)) as f32,
             (pixel / u64::from(size.x)) as f32,
         );
-        (corner + key.uniform2(0), key.mix(1))
+        let offset = if pass.is_multiple_of(2) {
+            Vec2::splat(0.5)
+        } else {
+            key.uniform2(0)
+        };
+        (corner + offset, key.mix(1))
     }
 
     fn count(&mut self, observation: Option<&Observation>) {
