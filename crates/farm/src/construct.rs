@@ -84,6 +84,8 @@ struct ViewProgress {
     /// Samples taken of it.
     taken: u64,
     pass: Pass,
+    /// Mean luminance of the last whole pass, or of what there is of the first.
+    typical: f32,
     /// Error and share of trusted light evaluations of the last whole pass.
     last: Option<(f32, f32)>,
 }
@@ -228,6 +230,7 @@ impl ViewProgress {
             key: RandomKey::new(seed),
             taken: 0,
             pass: Pass::default(),
+            typical: 0.0,
             last: None,
         }
     }
@@ -270,6 +273,9 @@ impl ViewProgress {
             pass.squared_error += f64::from(seen.predicted - seen.actual).powi(2);
             pass.luminance += f64::from(seen.actual);
         }
+        if self.last.is_none() {
+            self.typical = pass.mean();
+        }
         if pass.samples == u64::from(self.view.size.x) * u64::from(self.view.size.y) {
             self.last = Some((pass.relative_rmse(), pass.trusted_share()));
             self.pass = Pass::default();
@@ -278,6 +284,10 @@ impl ViewProgress {
 }
 
 impl Pass {
+    fn mean(&self) -> f32 {
+        (self.luminance / self.samples as f64) as f32
+    }
+
     fn relative_rmse(&self) -> f32 {
         let mean = self.luminance / self.samples as f64;
         let rmse = (self.squared_error / self.samples as f64).sqrt();
@@ -328,6 +338,7 @@ fn sample_view(
         tree,
         surface.position,
         &scratch.shadow_rays,
+        progress.typical,
         &WorldVisibility(world),
     ))
 }
