@@ -207,7 +207,7 @@ fn construct(
     size: UVec2,
 ) -> anyhow::Result<Constructed> {
     /// Passes over the view after which construction gives up waiting for convergence.
-    const MAX_PASSES: u64 = 256;
+    const MAX_PASSES: u64 = 32;
     let settings = ConstructSettings {
         threads: arguments.threads,
         seed: arguments.seed,

@@ -1,4 +1,27 @@
 //! The processes of the renderer and what they share.
+//!
+//! * [`constructor::run`] holds the scene and learns the LIEs; [`shader::run`] renders
+//!   tiles; [`client::Client`] puts frames together; [`launch::Farm`] starts them all on
+//!   this machine, and [`walk::walk`] takes a walk through a scene.
+//! * [`scheduler::Scheduler`] decides who renders which tile, and [`scene_blob`] and
+//!   [`cache`] bring the scene to the shaders.
+//! * [`connection`], [`handshake`], [`network`] and [`outbox`] are what every connection
+//!   has: nothing above them knows that it is TCP.
+//! * [`Builder`] constructs LIEs, [`LieReplica`] is a shader's copy of them.
+//!
+//! Waiting for the network happens on tokio; construction and rendering have plain threads
+//! of their own and never run on its workers.
+//!
+//! ```no_run
+//! use lie_farm::{client::{Client, ClientConfig, ClientError}, network::Exposure};
+//!
+//! # async fn example() -> Result<(), ClientError> {
+//! let client = Client::connect(ClientConfig::new("127.0.0.1:7400", Exposure::Loopback)).await?;
+//! client.wait_for_shaders(1).await;
+//! println!("{} with {} lights", client.scene().name, client.scene().lights);
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod cache;
 pub mod client;

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use exr::prelude::{ReadChannels, ReadLayers};
+use exr::prelude::{Image, ReadChannels, ReadLayers, SpecificChannels, WritableImage};
 use glam::{UVec2, Vec3};
 
 use crate::{Film, Precision, ToneMap};
@@ -47,17 +47,23 @@ const MAX_PIXELS: usize = 1 << 28;
 pub fn write_exr(path: &Path, film: &Film, precision: Precision) -> Result<(), ImageError> {
     let (width, height) = (film.size().x as usize, film.size().y as usize);
     let pixel = |at: exr::math::Vec2<usize>| film.radiance()[at.y() * width + at.x()];
+    let to_half = |channel: f32| half::f16::from_f32(channel.min(half::f16::MAX.to_f32()));
+    // Blocks in order, so that equal pictures are equal files.
     let written = match precision {
-        Precision::Float => exr::prelude::write_rgb_file(path, width, height, |x, y| {
-            let value = pixel(exr::math::Vec2(x, y));
-            (value.x, value.y, value.z)
-        }),
-        Precision::Half => exr::prelude::write_rgb_file(path, width, height, |x, y| {
-            let value = pixel(exr::math::Vec2(x, y)).to_array();
-            let [r, g, b] =
-                value.map(|channel| half::f16::from_f32(channel.min(half::f16::MAX.to_f32())));
-            (r, g, b)
-        }),
+        Precision::Float => {
+            let channels = SpecificChannels::rgb(|at| <[f32; 3]>::from(pixel(at)).into());
+            Image::from_channels((width, height), channels)
+                .write()
+                .non_parallel()
+                .to_file(path)
+        }
+        Precision::Half => {
+            let channels = SpecificChannels::rgb(|at| pixel(at).to_array().map(to_half).into());
+            Image::from_channels((width, height), channels)
+                .write()
+                .non_parallel()
+                .to_file(path)
+        }
     };
     written.map_err(|problem| ImageError::file(path, problem))
 }

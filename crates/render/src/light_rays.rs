@@ -16,10 +16,10 @@ pub struct LightRay {
     pub ray: Ray,
     /// Reflected radiance towards the eye, in W·sr⁻¹·m⁻².
     pub radiance: Vec3,
-    /// Whether it goes where a smooth surface reflects to. Such rays are always traced
-    /// through the scene: what a cell's surfaces see of a light on the whole says little
-    /// about the one place that a point reflects.
-    pub reflected: bool,
+    /// Whether it is always traced through the scene, since it carries more than what is
+    /// known of a whole cell can answer for: it goes where a smooth surface reflects to, or
+    /// to a part of an area light that is so near that it fills much of the view.
+    pub exact: bool,
 }
 
 /// Everything that a light's rays at one surface point depend on.
@@ -57,17 +57,31 @@ impl LightPoints<'_> {
         let (area_share, lobe_share) =
             (by_area as f32 * area_density, by_lobe as f32 * lobe_density);
         let radiance = self.brdf.times_cosine(wi) * light.radiance / (area_share + lobe_share);
-        LightRay::new(index, self.surface, target, radiance).map(|ray| LightRay {
-            reflected: lobe_share > area_share,
-            ..ray
-        })
+        let share = area_share + lobe_share;
+        let exact = lobe_share > area_share || share * NEAR < 1.0;
+        LightRay::new(index, self.surface, target, radiance).map(|ray| LightRay { exact, ..ray })
     }
 
-    /// Whether some of the rays to area lights may be [`LightRay::reflected`].
-    pub(crate) fn may_reflect(&self) -> bool {
-        self.brdf.is_smooth()
+    /// Directions that follow the specular lobe, the same for every light; none on rough
+    /// surfaces.
+    pub(crate) fn lobe_directions(&self, directions: &mut Vec<Vec3>) {
+        directions.clear();
+        let count = if self.brdf.is_smooth() {
+            self.strata.0 * self.strata.1 / 2
+        } else {
+            0
+        };
+        let strata = sampling::strata(count);
+        let key = self.key.mix(u64::MAX);
+        directions.extend((0..count).map(|sample| {
+            let square = stratified(strata, sample, key.uniform2(sample));
+            self.brdf.sample_specular(square)
+        }));
     }
 }
+
+/// Solid angle in sr that one sample point of a light may stand for before it counts as near.
+const NEAR: f32 = 0.1;
 
 impl World {
     /// Calls `found` with the shadow rays to sample points on one light: one to a light
@@ -105,37 +119,33 @@ impl World {
         }
     }
 
-    /// Calls `found` with the shadow rays that follow a smooth surface's lobe to one light.
+    /// Calls `found` with the shadow rays to the area lights that lie in directions of
+    /// [`LightPoints::lobe_directions`].
     #[inline]
     pub(crate) fn for_each_lobe_ray(
         &self,
-        index: u32,
         points: &LightPoints<'_>,
+        directions: &[Vec3],
         mut found: impl FnMut(LightRay),
     ) {
-        let Some(LightKind::Area(area)) = self
-            .scene()
-            .lights
-            .get(index as usize)
-            .map(|light| &light.kind)
-        else {
-            return;
-        };
-        let (by_area, count) = points.split(area);
-        let key = points.key.mix(u64::from(index));
-        let strata = sampling::strata(count);
-        for sample in 0..count {
-            let square = stratified(strata, sample, key.uniform2(by_area + sample));
-            let ray = Ray::new(points.surface.position, points.brdf.sample_specular(square));
-            area.points_along(&ray, |point| {
-                points.ray_to(index, area, point).map(&mut found);
-            });
+        for (index, light) in (0u32..).zip(&self.scene().lights) {
+            let LightKind::Area(area) = &light.kind else {
+                continue;
+            };
+            if points.split(area).1 == 0 {
+                continue;
+            }
+            for &direction in directions {
+                area.points_along(&Ray::new(points.surface.position, direction), |point| {
+                    points.ray_to(index, area, point).map(&mut found);
+                });
+            }
         }
     }
 
     /// One ray to a random point on every light that could light the surface: a
     /// construction sample (LIE §4.1). Each ray's `radiance` is an estimate of the light's
-    /// whole, but for what is reflected to where LIEs are not asked.
+    /// whole, but for the rays that LIEs are not asked about.
     ///
     /// Of several points on an area light the one is taken, by chance, that gives most
     /// (Talbot et al. 2005, *Importance Resampling for Global Illumination*): next to a
@@ -153,7 +163,7 @@ impl World {
         for index in 0..self.scene().lights.len() as u32 {
             let mut resampled = Resampled::new(key.mix(u64::from(index)).uniform(u32::MAX));
             self.for_each_light_ray(index, &points, |ray| {
-                if !ray.reflected {
+                if !ray.exact {
                     resampled.add(ray);
                 }
             });
@@ -218,7 +228,7 @@ impl LightRay {
             light,
             ray,
             radiance,
-            reflected: false,
+            exact: false,
         })
     }
 

@@ -73,6 +73,8 @@ pub fn render_tile(
         settings,
         light_strata: strata(settings.light_samples),
         stats: RenderStats::default(),
+        exact: vec![],
+        directions: vec![],
         cancelled,
     };
     let mut sums = vec![Vec3::ZERO; (tile.size.x * tile.size.y) as usize];
@@ -109,6 +111,10 @@ struct TileRenderer<'a> {
     settings: &'a FrameSettings,
     light_strata: (u32, u32),
     stats: RenderStats,
+    /// Exact rays that wait to be traced, with their pixels.
+    exact: Vec<(usize, LightRay)>,
+    /// Lobe directions of the point in work.
+    directions: Vec<Vec3>,
     cancelled: &'a AtomicBool,
 }
 
@@ -235,29 +241,38 @@ impl<'a> TileRenderer<'a> {
         }
     }
 
-    /// Unoccluded lights: no rays at all.
+    /// Unoccluded lights: no rays at all, but for exact ones.
     fn unoccluded(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) {
         for point in points {
+            let light_points = self.light_points(point);
             for &index in point.cell.map_or(&[][..], |cell| &cell.unoccluded) {
-                self.world
-                    .for_each_light_ray(index, &self.light_points(point), |ray| {
+                self.world.for_each_light_ray(index, &light_points, |ray| {
+                    if ray.exact {
+                        self.exact.push((point.pixel, ray));
+                    } else {
                         sums[point.pixel] += ray.radiance;
-                    });
+                    }
+                });
             }
         }
     }
 
-    /// Partially occluded lights: rays against the occluders alone.
+    /// Partially occluded lights: rays against the occluders alone, but for exact ones.
     fn partial(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
         let cutout = self.world.scene();
         for point in points {
             if self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
+            let light_points = self.light_points(point);
             for entry in point.cell.map_or(&[][..], |cell| &cell.partial) {
                 let mut rays = 0;
                 self.world
-                    .for_each_light_ray(entry.light, &self.light_points(point), |ray| {
+                    .for_each_light_ray(entry.light, &light_points, |ray| {
+                        if ray.exact {
+                            self.exact.push((point.pixel, ray));
+                            return;
+                        }
                         rays += 1;
                         if !entry.occluders.is_blocked(&ray.ray, Some(cutout)) {
                             sums[point.pixel] += ray.radiance;
@@ -270,30 +285,31 @@ impl<'a> TileRenderer<'a> {
         Some(())
     }
 
-    /// Doubtful lights, all where there are no LIEs, and what smooth surfaces reflect: rays
-    /// through the whole scene, light by light, so that neighbouring points' rays to one
-    /// light share a packet.
+    /// Rays through the whole scene: exact ones, those to doubtful lights, and all where
+    /// there are no LIEs. Light by light, so that neighbouring points' rays to one light
+    /// share a packet.
     fn full(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
         let mut queue = ShadowQueue::new(self.world.accel());
+        for (pixel, ray) in self.exact.drain(..) {
+            queue.push(&ray, pixel, sums);
+        }
         for index in 0..self.world.scene().lights.len() as u32 {
             if self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
-            for point in points {
+            let doubts = |cell: &LieCell| cell.doubtful.binary_search(&index).is_ok();
+            for point in points.iter().filter(|point| point.cell.is_none_or(doubts)) {
                 let light_points = self.light_points(point);
-                let mut trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
-                let asks = point
-                    .cell
-                    .is_none_or(|cell| cell.doubtful.binary_search(&index).is_ok());
-                if asks || light_points.may_reflect() {
-                    self.world.for_each_light_ray(index, &light_points, |ray| {
-                        if asks || ray.reflected {
-                            trace(ray);
-                        }
-                    });
-                    self.world.for_each_lobe_ray(index, &light_points, trace);
-                }
+                let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
+                self.world.for_each_light_ray(index, &light_points, trace);
             }
+        }
+        for point in points {
+            let light_points = self.light_points(point);
+            light_points.lobe_directions(&mut self.directions);
+            let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
+            self.world
+                .for_each_lobe_ray(&light_points, &self.directions, trace);
         }
         queue.flush(sums);
         self.stats.shadow_rays += queue.traced;

@@ -1,5 +1,5 @@
 use glam::{Vec2, Vec3};
-use lie_geom::{Ray, Triangle, offset_origin, sampling::square_to_triangle};
+use lie_geom::{Aabb, Ray, Triangle, offset_origin, sampling::square_to_triangle};
 
 /// A source of light.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +56,8 @@ pub struct AreaLight {
     triangles: Vec<Triangle>,
     /// Area of all triangles up to and including this one, in m².
     cumulative_area: Vec<f32>,
+    /// A sphere around it: centre and radius.
+    sphere: (Vec3, f32),
 }
 
 /// The shapes of an area light.
@@ -122,12 +124,22 @@ impl AreaLight {
                 total as f32
             })
             .collect();
+        let corners = || {
+            triangles
+                .iter()
+                .flat_map(|triangle| [triangle.a, triangle.b, triangle.c])
+        };
+        let center = Aabb::around(corners()).center();
+        let radius = corners()
+            .map(|corner| corner.distance(center))
+            .fold(0.0, f32::max);
         Self {
             radiance,
             double_sided,
             shape,
-            triangles,
             cumulative_area,
+            sphere: (center, 1.001 * radius),
+            triangles,
         }
     }
 
@@ -188,9 +200,16 @@ impl AreaLight {
         })
     }
 
-    /// Calls `found` with every point of the light along a ray, whatever is in between.
+    /// Calls `found` with every point of the light along a ray of unit direction, whatever
+    /// is in between.
     #[inline]
     pub fn points_along(&self, ray: &Ray, mut found: impl FnMut(LightPoint)) {
+        let (center, radius) = self.sphere;
+        let to_center = center - ray.origin;
+        let along = to_center.dot(ray.direction);
+        if to_center.length_squared() - along * along > radius * radius || along < -radius {
+            return;
+        }
         for triangle in &self.triangles {
             if let Some(hit) = triangle.intersect(ray) {
                 found(LightPoint {

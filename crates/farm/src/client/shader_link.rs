@@ -78,10 +78,10 @@ async fn keep(
     let mut pause = FIRST_PAUSE;
     while wanted.borrow().contains(&address) {
         match network::dial(&address, exposure).await {
-            Ok(stream) => {
-                let error = session(&hub, &address, stream, &mut pause).await;
-                tracing::warn!("shader {address}: {error}");
-            }
+            Ok(stream) => match session(&hub, &address, stream, &mut pause).await {
+                error @ LinkError::Refused(_) => tracing::info!("shader {address}: {error}"),
+                error => tracing::warn!("shader {address}: {error}"),
+            },
             Err(error) => tracing::debug!("shader {address}: {error}"),
         }
         sleep(pause).await;

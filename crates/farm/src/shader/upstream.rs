@@ -39,6 +39,9 @@ pub(super) async fn keep(
             match network::dial(&config.constructor, config.exposure).await {
                 Ok(stream) => {
                     let ended = session(config, shared, port, stream, &mut pause).await;
+                    if shared.shutdown.is_cancelled() {
+                        return Ok(());
+                    }
                     tracing::warn!("the constructor is gone: {ended}; dialling again");
                 }
                 Err(error @ NetworkError::Dial { .. }) => {
