@@ -76,7 +76,12 @@ fn rays(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("camera rays");
     group.throughput(Throughput::Elements(camera_rays.len() as u64));
     group.bench_function("closest, single", |bencher| {
-        bencher.iter(|| camera_rays.iter().filter_map(|ray| accel.closest(ray)).count());
+        bencher.iter(|| {
+            camera_rays
+                .iter()
+                .filter_map(|ray| accel.closest(ray))
+                .count()
+        });
     });
     let camera_packets = packets(&camera_rays);
     group.bench_function("closest, packets of 16", |bencher| {
@@ -91,12 +96,19 @@ fn rays(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("shadow rays");
     group.throughput(Throughput::Elements(shadow_rays.len() as u64));
     group.bench_function("blocker, single", |bencher| {
-        bencher.iter(|| shadow_rays.iter().filter_map(|ray| accel.blocker(ray)).count());
+        bencher.iter(|| {
+            shadow_rays
+                .iter()
+                .filter_map(|ray| accel.blocker(ray))
+                .count()
+        });
     });
     let shadow_packets = packets(&shadow_rays);
     group.bench_function("blocked, packets of 16", |bencher| {
         bencher.iter(|| -> u32 {
-            let blocked = shadow_packets.iter().map(|packet| accel.blocked_packet(packet));
+            let blocked = shadow_packets
+                .iter()
+                .map(|packet| accel.blocked_packet(packet));
             blocked.map(u32::count_ones).sum()
         });
     });
@@ -108,18 +120,28 @@ fn occluder_lists(criterion: &mut Criterion) {
     let shadow_rays = shadow_rays(&world, &surfaces(&world));
     let accel = world.accel();
     // Triangles that do come in between somewhere, as in a cell's lists.
-    let mut blockers: Vec<u32> = shadow_rays.iter().filter_map(|ray| accel.blocker(ray)).collect();
+    let mut blockers: Vec<u32> = shadow_rays
+        .iter()
+        .filter_map(|ray| accel.blocker(ray))
+        .collect();
     blockers.sort_unstable();
     blockers.dedup();
     let mut group = criterion.benchmark_group("occluder lists");
     group.throughput(Throughput::Elements(shadow_rays.len() as u64));
     for length in [1, 8, 24] {
         let stride = (blockers.len() / length).max(1);
-        let list: Vec<u32> = blockers.iter().copied().step_by(stride).take(length).collect();
+        let list: Vec<u32> = blockers
+            .iter()
+            .copied()
+            .step_by(stride)
+            .take(length)
+            .collect();
         let occluders = Occluders::gather(&world.scene().geometry, None, &list);
         group.bench_function(format!("{} triangles", list.len()), |bencher| {
             bencher.iter(|| {
-                let blocked = shadow_rays.iter().filter(|ray| occluders.is_blocked(ray, None));
+                let blocked = shadow_rays
+                    .iter()
+                    .filter(|ray| occluders.is_blocked(ray, None));
                 blocked.count()
             });
         });
@@ -153,7 +175,10 @@ fn lights_known_of(tree: &LieTree) -> usize {
 
 fn cells(criterion: &mut Criterion) {
     let world = gallery();
-    let points: Vec<Vec3> = surfaces(&world).iter().map(|surface| surface.position).collect();
+    let points: Vec<Vec3> = surfaces(&world)
+        .iter()
+        .map(|surface| surface.position)
+        .collect();
     let builder = construct(&world);
     let tree = builder.tree();
     assert!(lights_known_of(tree) > 0, "construction found lights");
@@ -168,7 +193,9 @@ fn cells(criterion: &mut Criterion) {
     });
     group.bench_function("descent, constructor's tree", |bencher| {
         bencher.iter(|| -> usize {
-            let found = points.iter().map(|&point| tree.lie_at(point).lights().len());
+            let found = points
+                .iter()
+                .map(|&point| tree.lie_at(point).lights().len());
             found.sum()
         });
     });
@@ -197,9 +224,12 @@ fn shading(criterion: &mut Criterion) {
         for (name, lookup) in [("standard", None), ("lie", Some(&lies as &dyn LieLookup))] {
             let render = || render_tile(&world, lookup, camera, &settings, tile, &never).unwrap();
             group.throughput(Throughput::Elements(render().stats.evaluations));
-            group.bench_function(format!("{name}, {light_samples} light samples"), |bencher| {
-                bencher.iter(|| black_box(render()));
-            });
+            group.bench_function(
+                format!("{name}, {light_samples} light samples"),
+                |bencher| {
+                    bencher.iter(|| black_box(render()));
+                },
+            );
         }
     }
     group.finish();
