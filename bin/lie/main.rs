@@ -15,7 +15,8 @@ use clap::{Parser, Subcommand};
 
 /// Renders direct light from many lights at interactive rates, on one machine or a cluster.
 ///
-/// Without a command, renders the walkthrough of the default scene on this machine.
+/// Without a command, renders the walkthrough of the default scene, scenes/gallery, on this
+/// machine, and writes its frames to out/ as PNG.
 #[derive(Parser)]
 #[command(version, propagate_version = true, max_term_width = 100)]
 struct Arguments {
@@ -73,6 +74,10 @@ fn run_command(arguments: Arguments) -> anyhow::Result<()> {
         None => run_command(Arguments::parse_from([
             "lie",
             "run",
+            "--out",
+            "out",
+            "--format",
+            "png",
             "--log",
             &arguments.log,
         ])),

@@ -54,16 +54,13 @@ impl Brdf {
             return self.diffuse * cos_i;
         }
         let half = (wi + self.wo).normalize_or(self.normal);
-        let cos_h = self.normal.dot(half).max(0.0);
         let grazing = 1.0 - self.wo.dot(half).clamp(0.0, 1.0);
         let grazing2 = grazing * grazing;
         let fresnel = self.f0 + (Vec3::splat(self.f90) - self.f0) * (grazing2 * grazing2 * grazing);
         let a2 = self.alpha * self.alpha;
-        let d = cos_h * cos_h * (a2 - 1.0) + 1.0;
-        let distribution = a2 / (PI * d * d);
         let masking_i = self.cos_o * (cos_i * cos_i * (1.0 - a2) + a2).sqrt();
         let masking_o = cos_i * (self.cos_o * self.cos_o * (1.0 - a2) + a2).sqrt();
-        let specular = fresnel * (distribution * 0.5 / (masking_i + masking_o));
+        let specular = fresnel * (self.distribution(half) * 0.5 / (masking_i + masking_o));
         (self.diffuse * (Vec3::ONE - fresnel) + specular) * cos_i
     }
 
@@ -111,15 +108,23 @@ impl Brdf {
     #[inline]
     pub fn specular_density(&self, wi: Vec3) -> f32 {
         let half = (wi + self.wo).normalize_or(self.normal);
-        let cos_h = self.normal.dot(half);
-        if cos_h <= 0.0 {
+        if self.normal.dot(half) <= 0.0 {
             return 0.0;
         }
         let a2 = self.alpha * self.alpha;
-        let d = cos_h * cos_h * (a2 - 1.0) + 1.0;
-        let distribution = a2 / (PI * d * d);
         // G₁(wo) · D / (4 cos θₒ), with the cosine cancelled.
         let root = (self.cos_o * self.cos_o * (1.0 - a2) + a2).sqrt();
-        distribution * 0.5 / (self.cos_o + root)
+        self.distribution(half) * 0.5 / (self.cos_o + root)
+    }
+
+    /// The GGX distribution of microfacet normals, in sr⁻¹.
+    #[inline]
+    fn distribution(&self, half: Vec3) -> f32 {
+        let cos = self.normal.dot(half).max(0.0);
+        // Not 1 − cos²: on smooth surfaces the lobe is so narrow that all digits would cancel.
+        let sin2 = self.normal.cross(half).length_squared();
+        let a2 = self.alpha * self.alpha;
+        let d = cos * cos * a2 + sin2;
+        a2 / (PI * d * d)
     }
 }

@@ -63,8 +63,10 @@ impl Report {
         let (Some(least), Some(most)) = (times.first(), times.last()) else {
             return "no frames".to_owned();
         };
+        let out = self.out.as_ref();
+        let place = out.map_or(String::new(), |out| format!(", in {}", out.display()));
         format!(
-            "{} frames of {} x {} pixels: {:.1} ms median ({least:.1} to {most:.1}), {} shaders, {}",
+            "{} frames of {} x {} pixels: {:.1} ms median ({least:.1} to {most:.1}), {} shaders, {}{place}",
             times.len(),
             self.settings.size.x,
             self.settings.size.y,

@@ -2,7 +2,7 @@
 //!
 //! [`Prepared`] is everything that can be made ready before anybody connects; [`run`] serves
 //! it. Construction has a thread of its own, and neither side ever waits for the other:
-//! construction publishes trees ([`lie_feed`]), sessions publish views ([`views`]).
+//! construction publishes trees (`lie_feed`), sessions publish views (`views`).
 
 mod client_session;
 mod construction;

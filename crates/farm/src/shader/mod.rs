@@ -1,8 +1,8 @@
 //! The process that renders tiles.
 //!
-//! One side dials the constructor ([`upstream`]) and keeps a [`Stage`] up to date: the world
-//! and the newest LIEs. The other takes clients ([`client_session`]), whose tiles a pool of
-//! plain threads renders ([`render_pool`]) from the stage as it is at that moment.
+//! One side dials the constructor (`upstream`) and keeps a `Stage` up to date: the world
+//! and the newest LIEs. The other takes clients (`client_session`), whose tiles a pool of
+//! plain threads renders (`render_pool`) from the stage as it is at that moment.
 
 mod assembly;
 mod client_session;
