@@ -28,7 +28,7 @@ impl Default for LieSettings {
         Self {
             max_depth: 9,
             split_threshold: 24,
-            trust: 256,
+            trust: 512,
         }
     }
 }
