@@ -8,16 +8,20 @@ mod support;
 use std::{
     io::{Read, Write},
     net::{TcpListener, TcpStream},
+    path::Path,
+    sync::Arc,
     time::Duration,
 };
 
 use glam::UVec2;
 use lie_farm::{
+    Builder, ConstructSettings, LieReplica, View,
     client::{Client, ClientConfig, Frame, FrameRequest},
     convert,
     network::Exposure,
 };
 use lie_protocol::{Compression, Decoder, Header, Opening, PixelFormat, WireIntegrator};
+use lie_render::{FrameSettings, World, render_frame};
 use support::{LONG, Process};
 use tokio::time::sleep;
 
@@ -243,41 +247,140 @@ fn an_interrupted_run_ends_its_children() {
     assert!(!children.iter().any(|&child| support::runs(child)));
 }
 
-#[test]
-fn frozen_frames_are_the_same_with_one_two_and_three_shaders() {
-    let home = tempfile::tempdir().unwrap();
-    let mut pictures = Vec::new();
-    for shaders in ["1", "2", "3"] {
-        let out = home.path().join(shaders);
-        let stats = home.path().join("stats.json");
-        let mut run = support::lie();
-        run.arg("run")
-            .arg(support::cornell())
-            .args(["--shaders", shaders]);
-        run.args(["--frames", "2", "--size", "96x80", "--precision", "float"]);
-        run.args(["--freeze", "--samples", "30000"]);
-        run.arg("--cache").arg(home.path().join("cache"));
-        run.arg("--out").arg(&out).arg("--stats").arg(&stats);
-        let output = run.output().unwrap();
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
-        let stats: serde_json::Value =
-            serde_json::from_slice(&std::fs::read(&stats).unwrap()).unwrap();
-        assert_eq!(stats["frames"].as_array().unwrap().len(), 2);
-        assert!(stats["lie"]["frozen"].as_bool().unwrap());
-        for frame in stats["frames"].as_array().unwrap() {
-            assert!(frame["lie_version"].as_u64().unwrap() > 0, "{frame}");
-            assert_eq!(frame["lie_version"], frame["lie_version_max"]);
-        }
-        // The files may hold their blocks in any order: what counts is the pixels.
-        pictures.push(
-            ["frame-0000.exr", "frame-0001.exr"]
-                .map(|name| lie_render::read_image(&out.join(name)).unwrap()),
-        );
+/// The files of two frames of the Cornell box, rendered by so many shaders from LIEs that
+/// were constructed before.
+fn frozen_frames(home: &Path, shaders: &str) -> [Vec<u8>; 2] {
+    let out = home.join(shaders);
+    let stats = home.join("stats.json");
+    let mut run = support::lie();
+    run.arg("run").arg(support::cornell());
+    run.args(["--shaders", shaders, "--frames", "2"]);
+    run.args(FROZEN).arg("--freeze");
+    run.arg("--cache").arg(home.join("cache"));
+    run.arg("--out").arg(&out).arg("--stats").arg(&stats);
+    support::succeeds(&mut run);
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(&stats).unwrap()).unwrap();
+    assert_eq!(stats["frames"].as_array().unwrap().len(), 2);
+    assert!(stats["lie"]["frozen"].as_bool().unwrap());
+    for frame in stats["frames"].as_array().unwrap() {
+        assert!(frame["lie_version"].as_u64().unwrap() > 0, "{frame}");
+        assert_eq!(frame["lie_version"], frame["lie_version_max"]);
     }
-    assert!(pictures[0] == pictures[1], "one and two shaders differ");
-    assert!(pictures[1] == pictures[2], "two and three shaders differ");
+    ["frame-0000.exr", "frame-0001.exr"].map(|name| std::fs::read(out.join(name)).unwrap())
+}
+
+const FROZEN: [&str; 6] = [
+    "--size",
+    "96x80",
+    "--precision",
+    "half",
+    "--samples",
+    "30000",
+];
+
+/// The same frames from the library, in this process.
+fn frames_of_this_process(home: &Path) -> [Vec<u8>; 2] {
+    let scene = Arc::new(lie_scene::load(&support::cornell()).unwrap().scene);
+    let world = Arc::new(World::new(scene.clone()));
+    let settings = FrameSettings {
+        size: UVec2::new(96, 80),
+        ..FrameSettings::new(&scene.settings)
+    };
+    let walk = &scene.walkthroughs[0];
+    let cameras = [0.0, walk.duration_s()].map(|time_s| walk.camera_at(time_s));
+    let mut builder = Builder::new(world.clone(), ConstructSettings::new(&scene.settings)).unwrap();
+    let view = View {
+        camera: cameras[0].clone(),
+        size: settings.size,
+    };
+    builder.sample(&[view], 30_000);
+    let lies = LieReplica::of(world.clone(), builder.tree()).publish();
+    cameras.map(|camera| {
+        let (film, _) = render_frame(&world, Some(&lies), &camera, &settings, &mut |_| {});
+        let path = home.join("frame.exr");
+        lie_render::write_exr(&path, &film, lie_render::Precision::Half).unwrap();
+        std::fs::read(&path).unwrap()
+    })
+}
+
+#[test]
+fn frozen_frames_are_the_same_bytes_wherever_they_are_rendered() {
+    let home = tempfile::tempdir().unwrap();
+    let one = frozen_frames(home.path(), "1");
+    assert!(
+        one == frozen_frames(home.path(), "2"),
+        "one and two shaders differ"
+    );
+    assert!(
+        one == frozen_frames(home.path(), "3"),
+        "one and three shaders differ"
+    );
+    assert!(
+        one == frames_of_this_process(home.path()),
+        "a farm and one process differ"
+    );
+    // And so does the command that renders one frame without a farm.
+    let picture = home.path().join("render.exr");
+    let mut render = support::lie();
+    render.arg("render").arg(support::cornell()).args(FROZEN);
+    let scene = lie_scene::load(&support::cornell()).unwrap().scene;
+    render
+        .args(["--walk", &scene.walkthroughs[0].name, "--out"])
+        .arg(&picture);
+    support::succeeds(&mut render);
+    assert!(
+        one[0] == std::fs::read(&picture).unwrap(),
+        "a farm and lie render differ"
+    );
+}
+
+#[test]
+fn a_client_looks_at_a_running_farm() {
+    let home = tempfile::tempdir().unwrap();
+    let constructor = Process::constructor(&[]);
+    let _shaders = [
+        Process::shader(&constructor.address),
+        Process::shader(&constructor.address),
+    ];
+    let mut view = support::lie();
+    view.args([
+        "view",
+        "--constructor",
+        &constructor.address,
+        "--wait-shaders",
+        "2",
+    ]);
+    view.args([
+        "--frames", "3", "--size", "64x48", "--format", "both", "--out",
+    ])
+    .arg(home.path());
+    let stats = home.path().join("stats.json");
+    view.arg("--stats").arg(&stats);
+    support::succeeds(&mut view);
+    for index in 0..3 {
+        for ending in ["png", "exr"] {
+            let picture =
+                lie_render::read_image(&home.path().join(format!("frame-000{index}.{ending}")))
+                    .unwrap();
+            assert_eq!(picture.size(), UVec2::new(64, 48));
+            assert!(
+                picture
+                    .radiance()
+                    .iter()
+                    .any(|value| value.max_element() > 0.1)
+            );
+        }
+    }
+    let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(&stats).unwrap()).unwrap();
+    assert_eq!(stats["shaders"], 2);
+    for key in [
+        "index",
+        "frame_ms",
+        "latency_ms",
+        "lie_version",
+        "trusted_fraction",
+        "lost_tiles",
+    ] {
+        assert!(stats["frames"][2][key].is_number(), "{key}");
+    }
 }

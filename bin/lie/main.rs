@@ -40,6 +40,7 @@ enum Command {
     Run(cmd::run::Run),
     Constructor(cmd::constructor::Constructor),
     Shader(cmd::shader::Shader),
+    View(cmd::view::View),
     Render(cmd::render::Render),
     Compare(cmd::compare::Compare),
     #[command(subcommand)]
@@ -68,6 +69,7 @@ fn run_command(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Run(run)) => cmd::run::execute(&run, &arguments.log),
         Some(Command::Constructor(constructor)) => cmd::constructor::execute(&constructor),
         Some(Command::Shader(shader)) => cmd::shader::execute(&shader),
+        Some(Command::View(view)) => cmd::view::execute(&view),
         Some(Command::Render(render)) => cmd::render::execute(&render),
         Some(Command::Compare(compare)) => cmd::compare::execute(&compare),
         Some(Command::Scene(scene)) => cmd::scene::execute(&scene),

@@ -6,3 +6,5 @@ pub(crate) mod render;
 pub(crate) mod run;
 pub(crate) mod scene;
 pub(crate) mod shader;
+pub(crate) mod view;
+pub(crate) mod walk;

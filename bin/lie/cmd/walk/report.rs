@@ -11,11 +11,11 @@ use lie_scene::RenderSettings;
 use serde_json::{Value, json};
 use tokio::sync::watch;
 
-use super::{Format, Run};
+use super::{Format, WalkOptions};
 use crate::args::{Integrator, Precision};
 
 /// Writes a walk's frames and keeps its figures.
-pub(super) struct Report {
+pub(crate) struct Report {
     scene: String,
     shaders: u32,
     integrator: Integrator,
@@ -34,19 +34,20 @@ pub(super) struct Report {
 
 impl Report {
     pub(super) fn new(
-        arguments: &Run,
+        options: &WalkOptions,
+        (scene, shaders): (&str, u32),
         settings: RenderSettings,
         status: watch::Receiver<LieStatus>,
         bar: ProgressBar,
     ) -> Self {
         Self {
-            scene: arguments.scene.display().to_string(),
-            shaders: arguments.shaders,
-            integrator: arguments.integrator,
+            scene: scene.to_owned(),
+            shaders,
+            integrator: options.integrator,
             settings,
-            out: arguments.out.clone(),
-            format: arguments.format,
-            precision: arguments.precision,
+            out: options.out.clone(),
+            format: options.format,
+            precision: options.precision,
             status,
             bar,
             settled: None,
