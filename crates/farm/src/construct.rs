@@ -84,6 +84,8 @@ struct ViewProgress {
     /// Samples taken of it.
     taken: u64,
     pass: Pass,
+    /// Mean luminance of the last whole pass, or of what there is of the first.
+    typical: f32,
     /// Error and share of trusted light evaluations of the last whole pass.
     last: Option<(f32, f32)>,
 }
@@ -228,12 +230,15 @@ impl ViewProgress {
             key: RandomKey::new(seed),
             taken: 0,
             pass: Pass::default(),
+            typical: 0.0,
             last: None,
         }
     }
 
     /// The film point of a sample: every pixel once in a pass, in an order that is spread
-    /// over the picture from the first sample on, at a random place inside the pixel.
+    /// over the picture from the first sample on. Every other pass goes through the pixels'
+    /// centres, where a frame with one sample per pixel looks: what only a single pixel
+    /// shows is found as well. The passes between go through random places.
     fn film_point(&self, sample: u64) -> (Vec2, RandomKey) {
         let size = self.view.size;
         let pixels = u64::from(size.x) * u64::from(size.y);
@@ -251,7 +256,12 @@ impl ViewProgress {
             (pixel % u64::from(size.x)) as f32,
             (pixel / u64::from(size.x)) as f32,
         );
-        (corner + key.uniform2(0), key.mix(1))
+        let offset = if pass.is_multiple_of(2) {
+            Vec2::splat(0.5)
+        } else {
+            key.uniform2(0)
+        };
+        (corner + offset, key.mix(1))
     }
 
     fn count(&mut self, observation: Option<&Observation>) {
@@ -263,6 +273,9 @@ impl ViewProgress {
             pass.squared_error += f64::from(seen.predicted - seen.actual).powi(2);
             pass.luminance += f64::from(seen.actual);
         }
+        if self.last.is_none() {
+            self.typical = pass.mean();
+        }
         if pass.samples == u64::from(self.view.size.x) * u64::from(self.view.size.y) {
             self.last = Some((pass.relative_rmse(), pass.trusted_share()));
             self.pass = Pass::default();
@@ -271,6 +284,10 @@ impl ViewProgress {
 }
 
 impl Pass {
+    fn mean(&self) -> f32 {
+        (self.luminance / self.samples as f64) as f32
+    }
+
     fn relative_rmse(&self) -> f32 {
         let mean = self.luminance / self.samples as f64;
         let rmse = (self.squared_error / self.samples as f64).sqrt();
@@ -321,6 +338,7 @@ fn sample_view(
         tree,
         surface.position,
         &scratch.shadow_rays,
+        progress.typical,
         &WorldVisibility(world),
     ))
 }

@@ -68,15 +68,16 @@ pub struct Hit {
     pub triangle: u32,
 }
 
-/// Moves a point on a triangle off its plane, to the side `normal` points to, far enough
-/// that rounding cannot let a ray from there hit the triangle or its coplanar neighbours.
+/// Moves a point on a triangle off its plane, the way `towards` points, far enough that
+/// rounding cannot let a ray from there hit the triangle or its coplanar neighbours.
+/// `towards` is the unit normal, or has at least that component along it.
 ///
 /// `extent` is the longest edge of the triangle in metres. The distance is 16 units in
 /// the last place of the coordinates and the extent together: about 40 µm in a room of
 /// 20 m. The triangle test's own error is a tenth of that.
 #[must_use]
-pub fn offset_origin(point: Vec3, normal: Vec3, extent: f32) -> Vec3 {
+pub fn offset_origin(point: Vec3, towards: Vec3, extent: f32) -> Vec3 {
     const ULPS: f32 = 16.0 * f32::EPSILON / 2.0;
     let distance = ULPS * (point.abs().max_element() + extent);
-    point + normal * distance
+    point + towards * distance
 }

@@ -33,7 +33,7 @@
 //! for y in [0.5, -0.5] {
 //!     let point = Vec3::new(0.0, y, 0.0);
 //!     let rays = [ShadowRay { light: 3, ray: Ray::segment(point, 9.0 * Vec3::Y), weight: 1.0 }];
-//!     let observation = observe(&tree, point, &rays, &Floor);
+//!     let observation = observe(&tree, point, &rays, 0.0, &Floor);
 //!     tree.record(&observation);
 //! }
 //! let lie = tree.lie_at(Vec3::ZERO);

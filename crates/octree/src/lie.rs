@@ -5,7 +5,7 @@ use crate::{LieState, LitLight, Outcome};
 /// Invariants: `lights` are in order of their number and each was seen by some sample
 /// (`clear ≥ 1`); every occluder blocked some sample's ray to its light; no light is both
 /// in `lights` and `hidden`.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lie {
     samples: u32,
     lights: Vec<LightEvidence>,
@@ -15,7 +15,7 @@ pub struct Lie {
 }
 
 /// What the constructor knows of a light that reaches the cell.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LightEvidence {
     /// Number of the light in the scene.
     pub light: u32,
@@ -25,17 +25,21 @@ pub struct LightEvidence {
     pub blocked: u32,
     /// Samples that agreed with what was known, since one last added to it.
     pub agreed: u32,
+    /// Largest [`Outcome::importance`] so far.
+    pub importance: f32,
     /// The triangles that came in between, in the order of their discovery.
     pub occluders: Vec<Occluder>,
 }
 
 /// A light that no sample has seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HiddenLight {
     /// Number of the light in the scene.
     pub light: u32,
     /// Samples that did not see it.
     pub blocked: u32,
+    /// Largest [`Outcome::importance`] so far.
+    pub importance: f32,
 }
 
 /// A triangle that blocks a light somewhere in a cell.
@@ -48,7 +52,7 @@ pub struct Occluder {
 }
 
 /// How much a cell's knowledge of one light is worth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Standing<'a> {
     /// It reaches the cell, past these occluders.
     Lit(&'a LightEvidence),
@@ -95,12 +99,13 @@ impl Lie {
         place.ok().map(|index| &self.lights[index])
     }
 
-    /// What shaders make of a light, if they trust what `trust` samples agree on. At 0 they
-    /// trust everything, as in the paper: what is not known to be lit is hidden.
+    /// What shaders make of a light, if `trust` samples must agree on one that gives all of
+    /// a pixel's light, and fewer on one that gives less. At 0 they trust everything, as in
+    /// the paper: what is not known to be lit is hidden.
     #[must_use]
     pub fn standing(&self, light: u32, trust: u32) -> Standing<'_> {
         if let Some(entry) = self.light(light) {
-            return if entry.agreed >= trust {
+            return if entry.is_trusted(trust) {
                 Standing::Lit(entry)
             } else {
                 Standing::Doubtful
@@ -109,8 +114,7 @@ impl Lie {
         let place = self
             .hidden
             .binary_search_by_key(&light, |entry| entry.light);
-        let blocked = place.map_or(0, |index| self.hidden[index].blocked);
-        if blocked >= trust {
+        if trust == 0 || place.is_ok_and(|index| self.hidden[index].is_trusted(trust)) {
             Standing::Hidden
         } else {
             Standing::Doubtful
@@ -128,11 +132,12 @@ impl Lie {
     pub(crate) fn record(&mut self, outcomes: &[Outcome], trust: u32) -> bool {
         self.samples = self.samples.saturating_add(1);
         let mut changed = false;
-        for &Outcome { light, blocker } in outcomes {
+        for outcome in outcomes {
+            let light = outcome.light;
             let was_doubtful = self.standing(light, trust) == Standing::Doubtful;
-            let news = match blocker {
-                None => self.see(light),
-                Some(triangle) => self.block(light, triangle),
+            let news = match outcome.blocker {
+                None => self.see(outcome),
+                Some(triangle) => self.block(outcome, triangle),
             };
             let is_doubtful = self.standing(light, trust) == Standing::Doubtful;
             changed |= was_doubtful != is_doubtful || (news && !is_doubtful);
@@ -141,7 +146,12 @@ impl Lie {
     }
 
     /// An unoccluded sample. Says whether it saw the light for the first time.
-    fn see(&mut self, light: u32) -> bool {
+    fn see(
+        &mut self,
+        &Outcome {
+            light, importance, ..
+        }: &Outcome,
+    ) -> bool {
         match self
             .lights
             .binary_search_by_key(&light, |entry| entry.light)
@@ -150,6 +160,7 @@ impl Lie {
                 let entry = &mut self.lights[index];
                 entry.clear = entry.clear.saturating_add(1);
                 entry.agreed = entry.agreed.saturating_add(1);
+                entry.importance = entry.importance.max(importance);
                 false
             }
             // Unoccluded and not in the LIE: the light is added.
@@ -160,6 +171,7 @@ impl Lie {
                     clear: 1,
                     blocked: 0,
                     agreed: 0,
+                    importance,
                     occluders: vec![],
                 };
                 self.lights.insert(index, entry);
@@ -169,25 +181,40 @@ impl Lie {
     }
 
     /// An occluded sample. Says whether it added an occluder.
-    fn block(&mut self, light: u32, triangle: u32) -> bool {
+    fn block(
+        &mut self,
+        &Outcome {
+            light, importance, ..
+        }: &Outcome,
+        triangle: u32,
+    ) -> bool {
         match self
             .lights
             .binary_search_by_key(&light, |entry| entry.light)
         {
             // In the LIE: partially occluded, and the blocker joins the light's occluders.
-            Ok(index) => self.lights[index].block(triangle),
+            Ok(index) => {
+                let entry = &mut self.lights[index];
+                entry.importance = entry.importance.max(importance);
+                entry.block(triangle)
+            }
             // Not in the LIE: it stays as it is, but for the evidence.
             Err(_) => {
-                match self
+                let new = HiddenLight {
+                    light,
+                    blocked: 0,
+                    importance,
+                };
+                let place = self
                     .hidden
-                    .binary_search_by_key(&light, |entry| entry.light)
-                {
-                    Ok(index) => {
-                        let entry = &mut self.hidden[index];
-                        entry.blocked = entry.blocked.saturating_add(1);
-                    }
-                    Err(index) => self.hidden.insert(index, HiddenLight { light, blocked: 1 }),
-                }
+                    .binary_search_by_key(&light, |entry| entry.light);
+                let index = place.unwrap_or_else(|index| {
+                    self.hidden.insert(index, new);
+                    index
+                });
+                let entry = &mut self.hidden[index];
+                entry.blocked = entry.blocked.saturating_add(1);
+                entry.importance = entry.importance.max(importance);
                 false
             }
         }
@@ -196,12 +223,12 @@ impl Lie {
     /// What shaders see of the cell.
     #[must_use]
     pub(crate) fn state(&self, trust: u32) -> LieState {
-        let lights = self.lights.iter().filter(|entry| entry.agreed >= trust);
+        let lights = self.lights.iter().filter(|entry| entry.is_trusted(trust));
         // Without doubt, every light that is not lit is hidden: no need to name it.
         let hidden = self
             .hidden
             .iter()
-            .filter(|entry| trust > 0 && entry.blocked >= trust);
+            .filter(|entry| trust > 0 && entry.is_trusted(trust));
         LieState {
             lights: lights
                 .map(|entry| LitLight {
@@ -225,7 +252,23 @@ impl Lie {
     }
 }
 
+/// Samples that must agree on a light of this importance: in proportion to it, so that what
+/// may be wrong of any light is worth about the same; but at least a sixteenth.
+fn required(trust: u32, importance: f32) -> f32 {
+    trust as f32 * importance.clamp(1.0 / 16.0, 1.0)
+}
+
+impl HiddenLight {
+    fn is_trusted(&self, trust: u32) -> bool {
+        self.blocked as f32 >= required(trust, self.importance)
+    }
+}
+
 impl LightEvidence {
+    fn is_trusted(&self, trust: u32) -> bool {
+        self.agreed as f32 >= required(trust, self.importance)
+    }
+
     /// Counts a blocked sample; says whether the blocker is new.
     fn block(&mut self, triangle: u32) -> bool {
         self.blocked = self.blocked.saturating_add(1);
@@ -253,7 +296,11 @@ mod tests {
     fn record(lie: &mut Lie, outcomes: &[(u32, Option<u32>)], trust: u32) -> bool {
         let outcomes: Vec<_> = outcomes
             .iter()
-            .map(|&(light, blocker)| Outcome { light, blocker })
+            .map(|&(light, blocker)| Outcome {
+                light,
+                blocker,
+                importance: 1.0,
+            })
             .collect();
         lie.record(&outcomes, trust)
     }
@@ -323,5 +370,20 @@ mod tests {
         );
         assert_eq!(standing(&lie, 0), "doubtful");
         assert!(lie.hidden().is_empty());
+    }
+
+    #[test]
+    fn a_light_that_gives_little_needs_fewer_samples() {
+        let mut lie = Lie::default();
+        let outcome = |light, importance| Outcome {
+            light,
+            blocker: SEEN,
+            importance,
+        };
+        for _ in 0..17 {
+            lie.record(&[outcome(0, 1.0), outcome(1, 0.25), outcome(2, 0.0)], 64);
+        }
+        let trusted = |light| lie.standing(light, 64) != Standing::Doubtful;
+        assert!(!trusted(0) && trusted(1) && trusted(2));
     }
 }

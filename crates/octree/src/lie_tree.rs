@@ -15,10 +15,11 @@ pub struct LieSettings {
     pub max_depth: u32,
     /// A cell with more occluders than this, summed over its lights, splits.
     pub split_threshold: u32,
-    /// Samples that must agree on a light in a cell before shaders rely on it; until then
-    /// they trace its shadow rays. By the rule of three, what n samples agree on is wrong
-    /// for fewer than 3/n of the rays (at 95 %). 0 is the paper: cells are relied on from
-    /// the start, empty ones as well.
+    /// Samples that must agree on a light in a cell before shaders rely on it, if it gives
+    /// all of a pixel's light; in proportion fewer if it gives less. Until then shaders
+    /// trace its shadow rays. By the rule of three, what n samples agree on is wrong for
+    /// fewer than 3/n of the rays (at 95 %). 0 is the paper: cells are relied on from the
+    /// start, empty ones as well.
     pub trust: u32,
 }
 
@@ -27,7 +28,7 @@ impl Default for LieSettings {
         Self {
             max_depth: 9,
             split_threshold: 24,
-            trust: 128,
+            trust: 512,
         }
     }
 }

@@ -41,12 +41,15 @@ pub struct Observation {
 }
 
 /// What one shadow ray met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// Number of the light.
     pub light: u32,
     /// What is in the way, if anything.
     pub blocker: Option<u32>,
+    /// What the light would give, unoccluded, as a share of what the pixel or a typical
+    /// one shows; in `[0, 1]`.
+    pub importance: f32,
 }
 
 /// Known occluders that are asked before the scene: the first that were found are those
@@ -61,12 +64,14 @@ const ASKED_FIRST: usize = 8;
 /// only if the scene names a blocker that is new.
 ///
 /// Beside what was seen, the observation tells what the tree would have shown: the
-/// difference is an unbiased estimate of the picture's error.
+/// difference is an unbiased estimate of the picture's error. `typical` is the luminance of
+/// a typical pixel, below which differences count less; 0 if that is not known.
 #[must_use]
 pub fn observe(
     tree: &LieTree,
     point: Vec3,
     rays: &[ShadowRay],
+    typical: f32,
     world: &dyn Visibility,
 ) -> Observation {
     let lie = tree.lie_at(point);
@@ -110,7 +115,18 @@ pub fn observe(
         observation.outcomes.push(Outcome {
             light: *light,
             blocker,
+            importance: *weight,
         });
+    }
+    let shown = observation.actual + typical;
+    for outcome in &mut observation.outcomes {
+        // Black beside black: what would give anything would give all.
+        let share = if shown > 0.0 {
+            outcome.importance / shown
+        } else {
+            1.0
+        };
+        outcome.importance = share.clamp(0.0, 1.0);
     }
     observation
 }

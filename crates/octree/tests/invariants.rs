@@ -19,8 +19,13 @@ const BOUNDS: Aabb = Aabb {
 
 /// One made-up sample: where, and per light what it met.
 fn observation() -> impl Strategy<Value = Observation> {
-    let outcome = (0u32..6, prop::option::of(0u32..12))
-        .prop_map(|(light, blocker)| Outcome { light, blocker });
+    let outcome = (0u32..6, prop::option::of(0u32..12), 0.0f32..1.0).prop_map(
+        |(light, blocker, importance)| Outcome {
+            light,
+            blocker,
+            importance,
+        },
+    );
     let point = [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0].prop_map(Vec3::from_array);
     (point, prop::collection::vec(outcome, 0..6)).prop_map(|(point, mut outcomes)| {
         outcomes.sort_by_key(|outcome| outcome.light);
@@ -153,13 +158,13 @@ proptest! {
         for _ in 0..2 {
             for &point in &points {
                 let point = Vec3::from_array(point);
-                let seen = observe(&tree, point, &rays(point), &Slab);
+                let seen = observe(&tree, point, &rays(point), 0.0, &Slab);
                 tree.record(&seen);
             }
         }
         for &point in &points {
             let point = Vec3::from_array(point);
-            let seen = observe(&tree, point, &rays(point), &Slab);
+            let seen = observe(&tree, point, &rays(point), 0.0, &Slab);
             prop_assert_eq!(seen.predicted, seen.actual);
         }
     }

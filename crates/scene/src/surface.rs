@@ -8,7 +8,8 @@ use crate::{AlphaMode, Material, Scene};
 pub struct Surface {
     /// The point on the triangle.
     pub position: Vec3,
-    /// The point moved off the triangle, to the side the ray came from: where shadow rays start.
+    /// Where shadow rays start: the point moved off the triangle, and back along the ray.
+    /// The latter keeps a point in the seam of two walls on the side that was seen.
     pub shadow_origin: Vec3,
     /// Direction back along the ray, unit length.
     pub wo: Vec3,
@@ -66,7 +67,7 @@ impl Scene {
         }
         Surface {
             position,
-            shadow_origin: offset_origin(position, geometric_normal, shape.extent()),
+            shadow_origin: offset_origin(position, geometric_normal + wo, shape.extent()),
             wo,
             geometric_normal,
             shading_normal,

@@ -167,7 +167,7 @@ mod tests {
             ray: Ray::segment(point, 9.0 * Vec3::Z),
             weight: 1.0,
         };
-        let observation = observe(tree, point, &[ray(0), ray(3)], &Stripes);
+        let observation = observe(tree, point, &[ray(0), ray(3)], 0.0, &Stripes);
         tree.record(&observation);
     }
 
