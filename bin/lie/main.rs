@@ -16,7 +16,7 @@ use clap::{Parser, Subcommand};
 /// Renders direct light from many lights at interactive rates, on one machine or a cluster.
 ///
 /// Without a command, renders the walkthrough of the default scene, scenes/gallery, on this
-/// machine, and writes its frames to out/ as PNG.
+/// machine, and writes its frames to out/, as PNG of 640 x 360 pixels.
 #[derive(Parser)]
 #[command(version, propagate_version = true, max_term_width = 100)]
 struct Arguments {
@@ -80,6 +80,8 @@ fn run_command(arguments: Arguments) -> anyhow::Result<()> {
             "out",
             "--format",
             "png",
+            "--size",
+            "640x360",
             "--log",
             &arguments.log,
         ])),
