@@ -165,7 +165,7 @@ pub(crate) fn failure(command: &mut Command, code: i32) -> String {
 }
 
 /// Runs a command to its end, which must be a success.
-pub fn succeeds(command: &mut std::process::Command) {
+pub(crate) fn succeeds(command: &mut std::process::Command) {
     let output = command.output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{command:?} failed: {errors}");
