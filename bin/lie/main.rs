@@ -82,6 +82,8 @@ fn run_command(arguments: Arguments) -> anyhow::Result<()> {
             "png",
             "--size",
             "640x360",
+            "--frames",
+            "24",
             "--log",
             &arguments.log,
         ])),

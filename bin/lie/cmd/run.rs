@@ -24,7 +24,7 @@ pub(crate) struct Run {
     #[arg(default_value = "scenes/gallery")]
     scene: PathBuf,
     /// Shader processes.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256), value_name = "N")]
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=256), value_name = "N")]
     shaders: u32,
     /// Render threads of each shader; 0 shares the cores out among the shaders.
     #[arg(long, default_value_t = 0, value_name = "N")]

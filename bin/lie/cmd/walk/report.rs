@@ -67,12 +67,16 @@ impl Report {
         let out = self.out.as_ref();
         let place = out.map_or(String::new(), |out| format!(", in {}", out.display()));
         format!(
-            "{} frames of {} x {} pixels: {:.1} ms median ({least:.1} to {most:.1}), {} shaders, {}{place}",
+            "{} frames of {} x {} pixels: {:.1} ms median ({least:.1} to {most:.1}), {}, {}{place}",
             times.len(),
             self.settings.size.x,
             self.settings.size.y,
             times[times.len() / 2],
-            self.shaders,
+            if self.shaders == 1 {
+                "1 shader".to_owned()
+            } else {
+                format!("{} shaders", self.shaders)
+            },
             self.integrator.name(),
         )
     }
