@@ -160,42 +160,20 @@ impl PacketHits {
     "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
 ))]
 pub(crate) fn closest(bvh: &Bvh, packet: &RayPacket) -> [Option<Hit>; PACKET] {
-    // The bound is one step past the best distance, so that ties are seen.
-    let mut bound = packet.t_max;
     let mut best: [Option<(LaneHit, u32)>; PACKET] = [None; PACKET];
-    let mut stack: Vec<(f32, Child)> = Vec::with_capacity(128);
-    stack.push((f32::NEG_INFINITY, Child::node(0)));
-    while let Some((entry, child)) = stack.pop() {
-        if !farther_than(&bound, entry) {
-            continue;
-        }
-        match child.target() {
-            Target::Node(index) => push_entered(&bvh.nodes[index], packet, &bound, &mut stack),
-            Target::Block(index) => {
-                let block = &bvh.blocks[index];
-                for lane in 0..block.len() {
-                    let hits = packet.intersect(block, lane, &bound);
-                    if !hits.any() {
-                        continue;
-                    }
-                    let id = block.id(lane);
-                    for ray in 0..PACKET {
-                        let hit = hits.lane(ray);
-                        let closer = best[ray].is_none_or(|(old, old_id)| {
-                            hit.t < old.t || (hit.t == old.t && id < old_id)
-                        });
-                        if hit.t < f32::INFINITY
-                            && closer
-                            && block.is_solid(lane, hit, bvh.cutout.as_deref())
-                        {
-                            best[ray] = Some((hit, id));
-                            bound[ray] = hit.t.next_up();
-                        }
-                    }
-                }
+    traverse(bvh, packet, |block, lane, hits, bound| {
+        let id = block.id(lane);
+        for ray in 0..PACKET {
+            let hit = hits.lane(ray);
+            let closer = best[ray]
+                .is_none_or(|(old, old_id)| hit.t < old.t || (hit.t == old.t && id < old_id));
+            if hit.t < f32::INFINITY && closer && block.is_solid(lane, hit, bvh.cutout.as_deref()) {
+                best[ray] = Some((hit, id));
+                // One step past the best distance, so that ties are seen.
+                bound[ray] = hit.t.next_up();
             }
         }
-    }
+    });
     best.map(|found| {
         found.map(|(hit, triangle)| {
             let hit = hit.hit();
@@ -215,7 +193,27 @@ pub(crate) fn closest(bvh: &Bvh, packet: &RayPacket) -> [Option<Hit>; PACKET] {
 ))]
 pub(crate) fn blocked(bvh: &Bvh, packet: &RayPacket) -> u32 {
     let mut blocked = 0u32;
-    // A blocked lane's bound becomes −∞: it enters and hits nothing more.
+    traverse(bvh, packet, |block, lane, hits, bound| {
+        for ray in 0..PACKET {
+            let hit = hits.lane(ray);
+            if hit.t < f32::INFINITY && block.is_solid(lane, hit, bvh.cutout.as_deref()) {
+                blocked |= 1 << ray;
+                // It enters and hits nothing more.
+                bound[ray] = f32::NEG_INFINITY;
+            }
+        }
+    });
+    blocked
+}
+
+/// Takes a packet through the tree, nearest box first, and calls `found` with every triangle
+/// that some lane hits before its bound; `found` lowers the bounds.
+#[inline(always)]
+fn traverse(
+    bvh: &Bvh,
+    packet: &RayPacket,
+    mut found: impl FnMut(&TriangleBlock, usize, &PacketHits, &mut [f32; PACKET]),
+) {
     let mut bound = packet.t_max;
     let mut stack: Vec<(f32, Child)> = Vec::with_capacity(128);
     stack.push((f32::NEG_INFINITY, Child::node(0)));
@@ -229,22 +227,13 @@ pub(crate) fn blocked(bvh: &Bvh, packet: &RayPacket) -> u32 {
                 let block = &bvh.blocks[index];
                 for lane in 0..block.len() {
                     let hits = packet.intersect(block, lane, &bound);
-                    if !hits.any() {
-                        continue;
-                    }
-                    for ray in 0..PACKET {
-                        let hit = hits.lane(ray);
-                        if hit.t < f32::INFINITY && block.is_solid(lane, hit, bvh.cutout.as_deref())
-                        {
-                            blocked |= 1 << ray;
-                            bound[ray] = f32::NEG_INFINITY;
-                        }
+                    if hits.any() {
+                        found(block, lane, &hits, &mut bound);
                     }
                 }
             }
         }
     }
-    blocked
 }
 
 /// Whether any lane still looks farther than `entry`.
