@@ -175,9 +175,8 @@ impl Scheduler {
     /// A shader that has little to do, other than the one that has the tile.
     fn idle_beside(&self, holder: ShaderId) -> Option<ShaderId> {
         let mut shaders = self.shaders.iter();
-        let idle = shaders.find(|&(&id, shader)| {
-            id != holder && shader.tiles.len() < shader.credits.div_ceil(2)
-        });
+        let idle = shaders
+            .find(|&(&id, shader)| id != holder && shader.tiles.len() < shader.credits.div_ceil(2));
         idle.map(|(&id, _)| id)
     }
 
@@ -188,10 +187,13 @@ impl Scheduler {
         if !self.waiting.is_empty() || self.shaders.len() < 2 {
             return None;
         }
-        let since = self.in_flight.values().filter_map(|holders| match holders[..] {
-            [(holder, since)] => self.idle_beside(holder).map(|_| since),
-            _ => None,
-        });
+        let since = self
+            .in_flight
+            .values()
+            .filter_map(|holders| match holders[..] {
+                [(holder, since)] => self.idle_beside(holder).map(|_| since),
+                _ => None,
+            });
         Some(since.min()? + self.late_after())
     }
 
