@@ -2,6 +2,7 @@
 //! and sample, on every scene at hand. Prints the errors: run with `--nocapture`.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(clippy::print_stdout, reason = "the errors are what it is for")]
 
 mod support;
 
