@@ -232,6 +232,32 @@ fn no_child_outlives_its_parent() {
 }
 
 #[test]
+fn a_shader_that_dies_before_the_first_frame_is_not_waited_for() {
+    let mut parent = support::lie();
+    parent.arg("run").arg(support::cornell());
+    parent.args(["--shaders", "2", "--frames", "100", "--size", "64x64"]);
+    let mut parent = parent
+        .stderr(std::process::Stdio::null())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut children = Vec::new();
+    support::wait_until("three children run", || {
+        children = support::children_of(parent.id());
+        children.len() == 3
+    });
+    // The second is only started when the first has said where it listens.
+    children.sort_unstable();
+    support::signal("-KILL", children[1]);
+    let mut status = None;
+    support::wait_until("the run has ended", || {
+        status = parent.try_wait().unwrap();
+        status.is_some()
+    });
+    assert!(status.unwrap().success());
+}
+
+#[test]
 fn an_interrupted_run_ends_its_children() {
     let mut parent = support::lie();
     parent.arg("run").arg(support::cornell());

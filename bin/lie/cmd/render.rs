@@ -14,6 +14,7 @@ use lie_scene::Camera;
 use crate::{
     args::{self, Integrator, Precision, ToneCurve, say, write_json},
     failure::{OrUsage, usage},
+    process,
 };
 
 /// Renders one frame in this process, without a network.
@@ -127,26 +128,38 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
         ))
         .into());
     }
+    // Now, and not after minutes of work.
+    let folder = arguments
+        .out
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        anyhow::bail!(
+            "{}: there is no folder {}",
+            arguments.out.display(),
+            folder.display()
+        );
+    }
     let scene = Arc::new(args::load_scene(&arguments.scene)?);
     let camera = match &arguments.walk {
         Some(name) => args::find_walkthrough(&scene, Some(name))?.camera_at(arguments.at),
         None => args::find_camera(&scene, arguments.camera.as_deref())?.clone(),
     };
     let settings = frame_settings(arguments, &scene)?;
+    let threads = process::threads(arguments.threads)?;
     if scene.lights.is_empty() {
         tracing::warn!("the scene has no lights: the picture will be black but for what emits");
     }
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads)
+        .num_threads(threads)
         .build()?;
-    let threads = pool.current_num_threads();
 
     let clock = Instant::now();
     let world = pool.install(|| Arc::new(World::new(scene.clone())));
     let build_ms = milliseconds(clock.elapsed());
 
     let construction = (arguments.integrator == Integrator::Lie)
-        .then(|| construct(arguments, &world, &camera, settings.size))
+        .then(|| construct(arguments, &world, &camera, settings.size, threads))
         .transpose()?;
     let frame =
         pool.install(|| render(arguments, &world, &camera, &settings, construction.as_ref()));
@@ -206,11 +219,12 @@ fn construct(
     world: &Arc<World>,
     camera: &Camera,
     size: UVec2,
+    threads: usize,
 ) -> anyhow::Result<Constructed> {
     /// Passes over the view after which construction gives up waiting for convergence.
     const MAX_PASSES: u64 = 32;
     let settings = ConstructSettings {
-        threads: arguments.threads,
+        threads,
         seed: arguments.seed,
         ..arguments.construction.settings(world.scene())
     };

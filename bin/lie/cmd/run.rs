@@ -62,7 +62,7 @@ pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
         };
         let config = ClientConfig::new(farm.address(), Exposure::Loopback);
         let walked = tokio::select! {
-            walked = arguments.walk.take(config, arguments.shaders, &bar) => walked,
+            walked = arguments.walk.take(config, arguments.shaders, farm.living_shaders(), &bar) => walked,
             () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted")),
         };
         farm.shutdown().await;

@@ -1,5 +1,6 @@
 use clap::Args;
 use lie_farm::client::ClientConfig;
+use tokio::sync::watch;
 
 use super::walk::WalkOptions;
 use crate::process::{self, Network};
@@ -27,9 +28,11 @@ pub(crate) fn execute(arguments: &View) -> anyhow::Result<()> {
     let shutdown = process::shutdown(&runtime, None);
     let bar = arguments.walk.progress_bar();
     let config = ClientConfig::new(&arguments.constructor, arguments.network.exposure());
+    // Who they are is not for us to say: all are waited for.
+    let (_all, living) = watch::channel(arguments.wait_shaders as usize);
     let result = runtime.block_on(async {
         tokio::select! {
-            walked = arguments.walk.take(config, arguments.wait_shaders, &bar) => walked,
+            walked = arguments.walk.take(config, arguments.wait_shaders, living, &bar) => walked,
             () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted")),
         }
     });

@@ -19,6 +19,7 @@ use lie_farm::{
 };
 use lie_protocol::{Compression, PixelFormat, SceneSummary, WireIntegrator};
 use lie_scene::{KeyFrame, RenderSettings, Walkthrough};
+use tokio::sync::watch;
 
 use crate::{
     args::{self, Integrator, Precision, say, write_json},
@@ -99,11 +100,13 @@ impl WalkOptions {
         Ok(())
     }
 
-    /// Connects to a constructor, waits for so many shaders, and walks.
+    /// Connects to a constructor, waits for as many shaders as are `living`, and walks.
+    /// `shaders` is how many were asked for.
     pub(crate) async fn take(
         &self,
         config: ClientConfig,
         shaders: u32,
+        mut living: watch::Receiver<usize>,
         bar: &ProgressBar,
     ) -> anyhow::Result<Report> {
         let mut client = Client::connect(config).await?;
@@ -135,7 +138,14 @@ impl WalkOptions {
             path,
         };
         let clock = Instant::now();
-        client.wait_for_shaders(shaders as usize).await;
+        loop {
+            let expected = *living.borrow_and_update();
+            tokio::select! {
+                () = client.wait_for_shaders(expected) => break,
+                // One that ended is not waited for.
+                Ok(()) = living.changed() => {}
+            }
+        }
         let mut report = Report::new(
             self,
             (client.scene().name.as_str(), shaders),

@@ -184,8 +184,8 @@ impl Builder {
 
     /// Records `samples` samples of the views, rounded up to whole batches.
     pub fn sample(&mut self, views: &[View], samples: u64) -> BatchReport {
-        let mut report = self.batch(views);
-        for _ in 1..samples.div_ceil(Self::BATCH as u64) {
+        let mut report = self.batch(&[]);
+        for _ in 0..samples.div_ceil(Self::BATCH as u64) {
             report = self.batch(views);
         }
         report

@@ -16,6 +16,7 @@ use std::{
 use tokio::{
     io::{AsyncBufReadExt, AsyncRead, BufReader, Lines},
     process::{Child, ChildStdout, Command},
+    sync::watch,
     task::JoinSet,
     time::timeout,
 };
@@ -87,6 +88,8 @@ pub struct Farm {
 struct Children {
     stop: CancellationToken,
     watches: JoinSet<()>,
+    /// How many have come so far and not ended by themselves.
+    living: watch::Sender<usize>,
 }
 
 impl Farm {
@@ -114,6 +117,12 @@ impl Farm {
     #[must_use]
     pub fn address(&self) -> &str {
         &self.address
+    }
+
+    /// How many shaders have not ended, and when that changes.
+    #[must_use]
+    pub fn living_shaders(&self) -> watch::Receiver<usize> {
+        self.shaders.living.subscribe()
     }
 
     /// Ends all children and waits for them. The shaders go first, so that none misses the
@@ -175,8 +184,13 @@ impl Children {
             });
         };
         let address = line.strip_prefix(ANNOUNCEMENT).map(str::to_owned);
-        self.watches
-            .spawn(watch(who.to_owned(), child, self.stop.clone()));
+        self.living.send_modify(|living| *living += 1);
+        let (stop, living) = (self.stop.clone(), self.living.clone());
+        let who_is_it = who.to_owned();
+        self.watches.spawn(async move {
+            see_to_its_end(who_is_it, child, stop).await;
+            living.send_modify(|living| *living -= 1);
+        });
         address.ok_or_else(|| LaunchError::Announcement {
             who: who.to_owned(),
         })
@@ -210,7 +224,7 @@ async fn pass_on<R: AsyncRead + Unpin>(who: String, mut lines: Lines<BufReader<R
 }
 
 /// Waits for a child's end: its own, which is worth a word, or the one that we ask for.
-async fn watch(who: String, mut child: Child, stop: CancellationToken) {
+async fn see_to_its_end(who: String, mut child: Child, stop: CancellationToken) {
     // Waiting for a child would close the input that it still has.
     let input = child.stdin.take();
     let status = tokio::select! {

@@ -164,10 +164,7 @@ impl Scheduler {
             })
             .collect();
         for (tile, holder) in late {
-            let idle = self.shaders.iter().find(|&(&id, shader)| {
-                id != holder && shader.tiles.len() < shader.credits.div_ceil(2)
-            });
-            if let Some((&shader, _)) = idle {
+            if let Some(shader) = self.idle_beside(holder) {
                 self.reissued += 1;
                 self.give(shader, tile, now);
                 assigned.push((shader, tile));
@@ -175,15 +172,29 @@ impl Scheduler {
         }
     }
 
-    /// When the next tile becomes late, if one can: then [`Self::assign`] may have news.
+    /// A shader that has little to do, other than the one that has the tile.
+    fn idle_beside(&self, holder: ShaderId) -> Option<ShaderId> {
+        let mut shaders = self.shaders.iter();
+        let idle = shaders
+            .find(|&(&id, shader)| id != holder && shader.tiles.len() < shader.credits.div_ceil(2));
+        idle.map(|(&id, _)| id)
+    }
+
+    /// When the next tile becomes late that an idle shader could take over: then
+    /// [`Self::assign`] has news. Where none is idle, the next one is by an event.
     #[must_use]
     pub fn next_deadline(&self) -> Option<Instant> {
         if !self.waiting.is_empty() || self.shaders.len() < 2 {
             return None;
         }
-        let single = self.in_flight.values().filter(|holders| holders.len() == 1);
-        let since = single.flatten().map(|&(_, since)| since).min()?;
-        Some(since + self.late_after())
+        let since = self
+            .in_flight
+            .values()
+            .filter_map(|holders| match holders[..] {
+                [(holder, since)] => self.idle_beside(holder).map(|_| since),
+                _ => None,
+            });
+        Some(since.min()? + self.late_after())
     }
 
     /// Whether every tile is done.

@@ -161,13 +161,14 @@ impl World {
         };
         rays.clear();
         for index in 0..self.scene().lights.len() as u32 {
-            let mut resampled = Resampled::new(key.mix(u64::from(index)).uniform(u32::MAX));
+            let random = key.mix(u64::from(index)).uniform(u32::MAX);
+            let (mut plain, mut exact) = (Resampled::new(random), Resampled::new(random));
             self.for_each_light_ray(index, &points, |ray| {
-                if !ray.exact {
-                    resampled.add(ray);
-                }
+                let side = if ray.exact { &mut exact } else { &mut plain };
+                side.add(ray);
             });
-            rays.extend(resampled.finish());
+            // Exact rays tell something only where there are no others: that the light is there.
+            rays.extend(plain.finish().or_else(|| exact.finish()));
         }
     }
 }

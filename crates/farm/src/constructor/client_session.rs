@@ -95,6 +95,7 @@ async fn talk<W: AsyncWrite + Unpin>(
     shaders.mark_changed();
     let mut progress = shared.progress.subscribe();
     progress.mark_changed();
+    let mut is_news = false;
     let mut status_ticks = interval(STATUS_EVERY);
     status_ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut heartbeat = heartbeat();
@@ -102,7 +103,12 @@ async fn talk<W: AsyncWrite + Unpin>(
     loop {
         let message = tokio::select! {
             Ok(()) = shaders.changed() => Out::Roster(roster(&shaders.borrow_and_update())),
-            _ = status_ticks.tick(), if progress.has_changed().unwrap_or(false) => {
+            Ok(()) = progress.changed(), if !is_news => {
+                is_news = true;
+                continue;
+            }
+            _ = status_ticks.tick(), if is_news => {
+                is_news = false;
                 let progress = progress.borrow_and_update();
                 let serial = progress.serials.get(&member.id());
                 Out::LieStatus(LieStatus {

@@ -88,6 +88,27 @@ fn a_late_tile_whose_second_shader_dies_stays_with_the_first() {
 }
 
 #[test]
+fn a_late_tile_that_nobody_can_take_over_wakes_nobody() {
+    let start = Instant::now();
+    let mut scheduler = Scheduler::new(0..4, LatePolicy::default());
+    scheduler.joined(1, 2);
+    scheduler.joined(2, 2);
+    assert_eq!(scheduler.assign(start).len(), 4);
+    // Both are busy: a deadline that has passed would be waited for without end.
+    assert_eq!(scheduler.next_deadline(), None);
+    assert!(scheduler.assign(at(start, 5000)).is_empty());
+    assert_eq!(scheduler.next_deadline(), None);
+    let tile = *scheduler.shaders[&2].tiles.first().unwrap();
+    assert_eq!(
+        scheduler.completed(tile, 2, at(start, 5000)),
+        Completion::First
+    );
+    assert!(scheduler.assign(at(start, 5000)).is_empty());
+    let deadline = scheduler.next_deadline();
+    assert!(deadline.is_none_or(|deadline| deadline > at(start, 5000)));
+}
+
+#[test]
 fn the_middle_comes_first() {
     let centres: Vec<_> = (0..3)
         .flat_map(|y| (0..3).map(move |x| (16 + 32 * x, 16 + 32 * y)))

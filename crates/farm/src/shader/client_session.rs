@@ -117,6 +117,10 @@ impl Session<'_> {
         if begin.frame < self.newest.load(Ordering::Relaxed) {
             return Err(rules("the frames' numbers go back"));
         }
+        // It would have credits of its own beside those of the one that is in work.
+        if self.frame.as_ref().is_some_and(|f| f.number == begin.frame) {
+            return Err(rules("a frame is begun twice"));
+        }
         self.void_before(begin.frame);
         let broken = |error: convert::ConvertError| LinkError::Rules(error.to_string());
         self.frame = Some(Arc::new(FrameWork {

@@ -1,13 +1,14 @@
 use lie_protocol::{
-    ClientToShader, ConstructorToShader as Out, LieDelta, SceneChunk, SceneReady, ShaderToClient,
-    ShaderToConstructor as In, ShaderWelcome, WireBody, WireCell, WireLieSettings,
+    BeginFrame, ClientToShader, Compression, ConstructorToShader as Out, LieDelta, PixelFormat,
+    SceneChunk, SceneReady, ShaderToClient, ShaderToConstructor as In, ShaderWelcome, WireBody,
+    WireCell, WireIntegrator, WireLieSettings,
 };
 use tokio::io::{ReadHalf, WriteHalf};
 
 use super::*;
 use crate::{
     connection::{Receiver, Sender},
-    handshake,
+    convert, handshake,
     scene_blob::{SceneBlob, encode, tests::full_scene},
 };
 
@@ -71,6 +72,21 @@ async fn welcome(listener: &TcpListener, blob: &SceneBlob) -> (Ends, bool) {
             In::Subscribe(_) => return ((receiver, sender), asked),
             _ => {}
         }
+    }
+}
+
+/// A frame of one pixel.
+fn begin(frame: u64) -> BeginFrame {
+    BeginFrame {
+        frame,
+        camera: convert::wire_camera(&full_scene().cameras[0]),
+        size: [1, 1],
+        samples_per_pixel: 1,
+        light_samples: 1,
+        integrator: WireIntegrator::Standard,
+        seed: 0,
+        format: PixelFormat::F32,
+        compression: Compression::None,
     }
 }
 
@@ -141,6 +157,25 @@ async fn a_gap_leads_to_a_resync_and_a_damaged_cache_to_another_fetch() {
         .await
         .unwrap();
     while receiver.receive::<ShaderToClient>().await.is_ok() {}
+
+    // So does a frame that is begun a second time, past the credits of the first.
+    let stream = TcpStream::connect(address).await.unwrap();
+    let (mut receiver, mut sender) = connection::split(stream);
+    let hello = handshake::hello(lie_protocol::Role::Client, 0, 0);
+    let answer: ShaderToClient = handshake::greet(&mut receiver, &mut sender, hello)
+        .await
+        .unwrap();
+    assert!(matches!(answer, ShaderToClient::Welcome(_)));
+    for _ in 0..2 {
+        sender
+            .send(&ClientToShader::BeginFrame(begin(1)))
+            .await
+            .unwrap();
+    }
+    let ended = tokio::time::timeout(std::time::Duration::from_secs(5), async {
+        while receiver.receive::<ShaderToClient>().await.is_ok() {}
+    });
+    ended.await.expect("the session ends");
     shutdown.cancel();
     shader.await.unwrap().unwrap();
 

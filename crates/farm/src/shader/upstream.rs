@@ -35,9 +35,11 @@ pub(super) async fn keep(
 ) -> Result<(), ShaderError> {
     let work = async {
         let mut pause = FIRST_PAUSE;
+        let mut was_known = false;
         loop {
             match network::dial(&config.constructor, config.exposure).await {
                 Ok(stream) => {
+                    was_known = true;
                     let ended = session(config, shared, port, stream, &mut pause).await;
                     if shared.shutdown.is_cancelled() {
                         return Ok(());
@@ -45,13 +47,17 @@ pub(super) async fn keep(
                     tracing::warn!("the constructor is gone: {ended}; dialling again");
                 }
                 Err(error @ NetworkError::Dial { .. }) => {
+                    was_known = true;
                     if pause == FIRST_PAUSE {
                         tracing::info!("{error}; trying again until it is there");
                     } else {
                         tracing::debug!("{error}");
                     }
                 }
-                // Names may be unknown for a while; addresses never become others.
+                // A name that was known once may be unknown for a while.
+                Err(error @ NetworkError::Address { .. }) if was_known => {
+                    tracing::debug!("{error}");
+                }
                 Err(error) => return Err(ShaderError::Constructor(error)),
             }
             sleep(pause).await;
