@@ -16,8 +16,8 @@ pub struct LightRay {
     pub ray: Ray,
     /// Reflected radiance towards the eye, in W·sr⁻¹·m⁻².
     pub radiance: Vec3,
-    /// Whether it is always traced through the scene, since it carries more than what is
-    /// known of a whole cell can answer for: it goes where a smooth surface reflects to, or
+    /// Whether it is traced through the scene even where the light is trusted to reach the
+    /// cell, since it carries more than what is known of a whole cell can answer for: it goes where a smooth surface reflects to, or
     /// to a part of an area light that is so near that it fills much of the view.
     pub exact: bool,
 }

@@ -8,7 +8,12 @@ use crate::convert::{self, ConvertError};
 pub(super) struct Assembly {
     cells: Vec<CellState>,
     next_part: u32,
+    /// Versions of the first part: from and to.
+    versions: (u64, u64),
 }
+
+/// Most parts of one update: 2 GiB at 4 MiB for each, forty times the paper's largest scene.
+const MAX_PARTS: u32 = 512;
 
 /// A whole update.
 #[derive(Debug, PartialEq)]
@@ -24,6 +29,10 @@ pub(super) struct Update {
 pub(super) enum AssemblyError {
     #[error("part {got} of a LIE update came where part {expected} belongs")]
     Order { expected: u32, got: u32 },
+    #[error("a LIE update has more than {MAX_PARTS} parts")]
+    TooLong,
+    #[error("the parts of a LIE update belong to different versions")]
+    Versions,
     #[error(transparent)]
     Cell(#[from] ConvertError),
 }
@@ -36,6 +45,16 @@ impl Assembly {
                 expected: self.next_part,
                 got: part.part,
             });
+        }
+        let versions = (part.from_version, part.to_version);
+        if part.part == 0 {
+            self.versions = versions;
+        }
+        if versions != self.versions {
+            return Err(AssemblyError::Versions);
+        }
+        if part.part >= MAX_PARTS {
+            return Err(AssemblyError::TooLong);
         }
         self.next_part += 1;
         for cell in part.cells {
@@ -92,5 +111,21 @@ mod tests {
         assert_eq!(assembly.add(part(1, true, 1)), Err(order));
         let impossible = assembly.add(part(0, true, 0));
         assert!(matches!(impossible, Err(AssemblyError::Cell(_))));
+    }
+
+    #[test]
+    fn parts_of_other_versions_and_parts_without_end_are_refused() {
+        let mut assembly = Assembly::default();
+        assert_eq!(assembly.add(part(0, false, 1)), Ok(None));
+        let other = LieDelta {
+            to_version: 6,
+            ..part(1, true, 1)
+        };
+        assert_eq!(assembly.add(other), Err(AssemblyError::Versions));
+        for index in 1..MAX_PARTS {
+            assert_eq!(assembly.add(part(index, false, 1)), Ok(None));
+        }
+        let endless = assembly.add(part(MAX_PARTS, false, 1));
+        assert_eq!(endless, Err(AssemblyError::TooLong));
     }
 }
