@@ -159,7 +159,7 @@ fn construct(world: &Arc<World>) -> Builder {
         size: FILM,
     };
     let mut builder = Builder::new(world.clone(), settings).unwrap();
-    builder.sample(&[view], 32 * Builder::BATCH as u64);
+    builder.sample(&[view], 32 * 8192, |_| {});
     builder
 }
 
@@ -195,7 +195,7 @@ fn cells(criterion: &mut Criterion) {
         bencher.iter(|| -> usize {
             let found = points
                 .iter()
-                .map(|&point| tree.lie_at(point).lights().len());
+                .map(|&point| tree.lie_at(point).lights().count());
             found.sum()
         });
     });

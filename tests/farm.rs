@@ -322,7 +322,7 @@ fn frames_of_this_process(home: &Path) -> [Vec<u8>; 2] {
         camera: cameras[0].clone(),
         size: settings.size,
     };
-    builder.sample(&[view], 30_000);
+    builder.sample(&[view], 30_000, |_| {});
     let lies = LieReplica::of(world.clone(), builder.tree()).publish();
     cameras.map(|camera| {
         let (film, _) = render_frame(&world, Some(&lies), &camera, &settings, &mut |_| {});

@@ -92,6 +92,18 @@ pub(crate) struct Construction {
     /// Occluders in a cell above which it splits; the scene's setting by default.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     split: Option<u32>,
+    /// Samples that must come from a cell at once for it to split: cells of a few pixels
+    /// would never see enough of their lights. 1 is the paper.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
+    split_samples: Option<u32>,
+    /// Occluders of one light in one cell above which its shadow rays go through the scene,
+    /// which is cheaper then; the paper has no such limit.
+    #[arg(long, value_name = "N")]
+    crowd: Option<u32>,
+    /// Let the parts of a cell that splits start from nothing, as in the paper, instead of
+    /// with what is known of the whole.
+    #[arg(long)]
+    from_scratch: bool,
 }
 
 impl Construction {
@@ -102,11 +114,15 @@ impl Construction {
             ("--trust", self.trust.map(u64::from)),
             ("--max-depth", self.max_depth.map(u64::from)),
             ("--split", self.split.map(u64::from)),
+            ("--split-samples", self.split_samples.map(u64::from)),
+            ("--crowd", self.crowd.map(u64::from)),
         ];
+        let flag = self.from_scratch.then(|| "--from-scratch".into());
         given
             .into_iter()
             .filter_map(|(name, value)| Some([name.into(), value?.to_string().into()]))
             .flatten()
+            .chain(flag)
             .collect()
     }
 
@@ -114,6 +130,9 @@ impl Construction {
     pub(crate) fn settings(&self, scene: &lie_scene::Scene) -> ConstructSettings {
         let mut settings = ConstructSettings::new(&scene.settings);
         settings.lie.trust = self.trust.unwrap_or(settings.lie.trust);
+        settings.lie.split_samples = self.split_samples.unwrap_or(settings.lie.split_samples);
+        settings.lie.crowd = self.crowd.unwrap_or(settings.lie.crowd);
+        settings.lie.inherit = !self.from_scratch;
         settings.lie.max_depth = self.max_depth.unwrap_or(settings.lie.max_depth);
         settings.lie.split_threshold = self.split.unwrap_or(settings.lie.split_threshold);
         settings
@@ -222,7 +241,7 @@ fn construct(
     threads: usize,
 ) -> anyhow::Result<Constructed> {
     /// Passes over the view after which construction gives up waiting for convergence.
-    const MAX_PASSES: u64 = 32;
+    const MAX_PASSES: u64 = 64;
     let settings = ConstructSettings {
         threads,
         seed: arguments.seed,
@@ -234,22 +253,22 @@ fn construct(
         camera: camera.clone(),
         size,
     }];
-    let bar = progress_bar("construct", u64::from(size.x) * u64::from(size.y));
-    let mut taken = 0;
+    let pixels = u64::from(size.x) * u64::from(size.y);
+    let bar = progress_bar(
+        "construct",
+        arguments.construction.samples.unwrap_or(pixels),
+    );
+    let tell = |report: &BatchReport| {
+        bar.set_length(bar.length().unwrap_or(0).max(report.taken));
+        bar.set_position(report.taken);
+        let error = report
+            .estimated_error
+            .map_or("…".into(), |error| format!("{:.3} %", 100.0 * error));
+        bar.set_message(format!("error {error}"));
+    };
     let report = match arguments.construction.samples {
-        Some(samples) => builder.sample(&views, samples),
-        None => {
-            let most = u64::from(size.x) * u64::from(size.y) * MAX_PASSES;
-            builder.converge(&views, most, |report| {
-                taken += Builder::BATCH as u64;
-                bar.set_length(bar.length().unwrap_or(0).max(taken));
-                bar.set_position(taken);
-                let error = report
-                    .estimated_error
-                    .map_or("…".into(), |error| format!("{:.3} %", 100.0 * error));
-                bar.set_message(format!("error {error}"));
-            })
-        }
+        Some(samples) => builder.sample(&views, samples, tell),
+        None => builder.converge(&views, pixels * MAX_PASSES, tell),
     };
     bar.finish_and_clear();
     if !report.converged && arguments.construction.samples.is_none() {

@@ -88,6 +88,10 @@ impl Accel for Bvh {
     fn blocked_packet(&self, packet: &RayPacket) -> u32 {
         packet::blocked(self, packet)
     }
+
+    fn blocker_packet(&self, packet: &RayPacket) -> [Option<u32>; PACKET] {
+        packet::blockers(self, packet)
+    }
 }
 
 #[cfg(test)]

@@ -60,4 +60,8 @@ pub trait Accel: Send + Sync {
 
     /// Which rays of a packet are blocked: bit `i` for ray `i`.
     fn blocked_packet(&self, packet: &RayPacket) -> u32;
+
+    /// For each ray of a packet some triangle inside its interval, not necessarily the
+    /// closest, nor the one that [`Self::blocker`] names.
+    fn blocker_packet(&self, packet: &RayPacket) -> [Option<u32>; PACKET];
 }

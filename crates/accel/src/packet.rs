@@ -1,7 +1,7 @@
 //! Sixteen rays through the tree together: each box and each triangle is loaded once and
 //! tested against all of them.
 
-use lie_geom::{Hit, LaneHit, Ray, intersect_lane};
+use lie_geom::{Hit, LaneHit, Ray, Triangle, intersect_lane};
 use multiversion::multiversion;
 
 use crate::{
@@ -89,10 +89,19 @@ impl RayPacket {
         nearest
     }
 
-    /// All lanes against one triangle of a block.
+    /// Which rays one triangle blocks, were it solid: bit `i` for ray `i`.
+    #[must_use]
+    pub fn blocked_by(&self, triangle: &Triangle) -> u32 {
+        blocked_by(self, triangle)
+    }
+
+    /// All lanes against one triangle.
     #[inline(always)]
-    fn intersect(&self, block: &TriangleBlock, lane: usize, t_max: &[f32; PACKET]) -> PacketHits {
-        let (corners, normal) = block.lane(lane);
+    fn intersect(
+        &self,
+        (corners, normal): ([[f32; 3]; 3], [f32; 3]),
+        t_max: &[f32; PACKET],
+    ) -> PacketHits {
         let mut hits = PacketHits {
             t: [0.0; PACKET],
             weight_b: [0.0; PACKET],
@@ -206,6 +215,38 @@ pub(crate) fn blocked(bvh: &Bvh, packet: &RayPacket) -> u32 {
     blocked
 }
 
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+pub(crate) fn blockers(bvh: &Bvh, packet: &RayPacket) -> [Option<u32>; PACKET] {
+    let mut blockers = [None; PACKET];
+    traverse(bvh, packet, |block, lane, hits, bound| {
+        for ray in 0..PACKET {
+            let hit = hits.lane(ray);
+            if hit.t < f32::INFINITY && block.is_solid(lane, hit, bvh.cutout.as_deref()) {
+                blockers[ray] = Some(block.id(lane));
+                bound[ray] = f32::NEG_INFINITY;
+            }
+        }
+    });
+    blockers
+}
+
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+fn blocked_by(packet: &RayPacket, triangle: &Triangle) -> u32 {
+    let corners = [triangle.a, triangle.b, triangle.c].map(|corner| corner.to_array());
+    let hits = packet.intersect((corners, triangle.normal.to_array()), &packet.t_max);
+    let mut blocked = 0;
+    for ray in 0..PACKET {
+        blocked |= u32::from(hits.t[ray] < f32::INFINITY) << ray;
+    }
+    blocked
+}
+
 /// Takes a packet through the tree, nearest box first, and calls `found` with every triangle
 /// that some lane hits before its bound; `found` lowers the bounds.
 #[inline(always)]
@@ -226,7 +267,7 @@ fn traverse(
             Target::Block(index) => {
                 let block = &bvh.blocks[index];
                 for lane in 0..block.len() {
-                    let hits = packet.intersect(block, lane, &bound);
+                    let hits = packet.intersect(block.lane(lane), &bound);
                     if hits.any() {
                         found(block, lane, &hits, &mut bound);
                     }

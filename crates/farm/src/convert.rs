@@ -168,6 +168,7 @@ pub fn wire_cell(state: &CellState) -> WireCell {
         CellBody::Inner => WireBody::Interior,
         CellBody::Leaf(lie) => WireBody::Leaf {
             hidden: lie.hidden.clone(),
+            crowded: lie.crowded.clone(),
             lights: lie
                 .lights
                 .iter()
@@ -196,9 +197,15 @@ pub fn cell(cell: WireCell) -> Result<CellState, ConvertError> {
     let key = CellKey::from_raw(raw).ok_or_else(|| wrong("no cell has this key"))?;
     let body = match cell.body {
         WireBody::Interior => CellBody::Inner,
-        WireBody::Leaf { lights, hidden } => {
+        WireBody::Leaf {
+            lights,
+            hidden,
+            crowded,
+        } => {
             let rising = lights.windows(2).all(|pair| pair[0].light < pair[1].light)
-                && hidden.windows(2).all(|pair| pair[0] < pair[1]);
+                && [&hidden, &crowded]
+                    .iter()
+                    .all(|list| list.windows(2).all(|pair| pair[0] < pair[1]));
             if !rising {
                 return Err(wrong("its lights are out of order"));
             }
@@ -209,6 +216,7 @@ pub fn cell(cell: WireCell) -> Result<CellState, ConvertError> {
             CellBody::Leaf(LieState {
                 lights: lights.collect(),
                 hidden,
+                crowded,
             })
         }
     };

@@ -86,11 +86,8 @@ impl LieReplica {
             return Ok(());
         };
         let scene = self.world.scene();
-        if let Some(&light) = lie
-            .hidden
-            .iter()
-            .find(|&&light| light as usize >= scene.lights.len())
-        {
+        let mut named = lie.hidden.iter().chain(&lie.crowded);
+        if let Some(&light) = named.find(|&&light| light as usize >= scene.lights.len()) {
             return Err(ReplicaError::Light(light));
         }
         for entry in &lie.lights {
@@ -141,10 +138,12 @@ fn compile(world: &World, settings: LieSettings, lie: &LieState) -> LieCell {
             .is_ok()
             || lie.hidden.binary_search(light).is_ok()
     };
-    let doubted = if settings.trust == 0 {
-        0
+    let traced = if settings.trust == 0 {
+        lie.crowded.clone()
     } else {
-        scene.lights.len() as u32
+        (0..scene.lights.len() as u32)
+            .filter(|light| !is_known(light))
+            .collect()
     };
     LieCell {
         unoccluded: unoccluded.iter().map(|entry| entry.light).collect(),
@@ -155,6 +154,6 @@ fn compile(world: &World, settings: LieSettings, lie: &LieState) -> LieCell {
                 occluders: Occluders::gather(&scene.geometry, Some(scene), &entry.occluders),
             })
             .collect(),
-        doubtful: (0..doubted).filter(|light| !is_known(light)).collect(),
+        traced,
     }
 }

@@ -2,44 +2,37 @@ use crate::{LieState, LitLight, Outcome};
 
 /// What the constructor knows of one cell.
 ///
-/// Invariants: `lights` are in order of their number and each was seen by some sample
-/// (`clear ≥ 1`); every occluder blocked some sample's ray to its light; no light is both
-/// in `lights` and `hidden`.
+/// Invariants: `lights` are in order of their number; every occluder blocked some sample's
+/// ray to its light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lie {
     samples: u32,
     lights: Vec<LightEvidence>,
-    hidden: Vec<HiddenLight>,
     /// Tree version at which what shaders see of it last changed.
     pub(crate) version: u64,
 }
 
-/// What the constructor knows of a light that reaches the cell.
+/// What the constructor knows of a light from a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightEvidence {
     /// Number of the light in the scene.
     pub light: u32,
-    /// Samples that saw it.
+    /// Rays that reached it.
     pub clear: u32,
-    /// Samples that did not, counted since the first that did.
+    /// Rays that did not.
     pub blocked: u32,
-    /// Samples that agreed with what was known, since one last added to it.
+    /// Rays that agreed with what was known, since one last added to it.
     pub agreed: u32,
     /// Largest [`Outcome::importance`] so far.
     pub importance: f32,
-    /// The triangles that came in between, in the order of their discovery.
+    /// Whether it reached the cell that this one was split from. That counts until there
+    /// are rays enough from this one.
+    pub inherited: bool,
+    /// Whether too much is in the way to list: its rays go through the scene.
+    pub crowded: bool,
+    /// The triangles that came in between, in the order of their discovery. Of a hidden
+    /// light, some of them; of a crowded one, none.
     pub occluders: Vec<Occluder>,
-}
-
-/// A light that no sample has seen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HiddenLight {
-    /// Number of the light in the scene.
-    pub light: u32,
-    /// Samples that did not see it.
-    pub blocked: u32,
-    /// Largest [`Outcome::importance`] so far.
-    pub importance: f32,
 }
 
 /// A triangle that blocks a light somewhere in a cell.
@@ -47,7 +40,8 @@ pub struct HiddenLight {
 pub struct Occluder {
     /// Index in the scene.
     pub triangle: u32,
-    /// Samples that it was found to block.
+    /// Rays that it was found to block; none if it is known from the cell that this one was
+    /// split from.
     pub hits: u32,
 }
 
@@ -58,9 +52,15 @@ pub enum Standing<'a> {
     Lit(&'a LightEvidence),
     /// It does not reach the cell.
     Hidden,
+    /// It reaches the cell past so much that asking the scene is cheaper.
+    Crowded,
     /// Too few samples to say: a shader asks the scene.
     Doubtful,
 }
+
+/// Of rays from one point that all met the same, at most so many count: the next point is
+/// worth more than the next ray.
+const PER_SAMPLE: u32 = 4;
 
 impl Lie {
     /// A cell that was never sampled.
@@ -71,219 +71,258 @@ impl Lie {
         }
     }
 
+    /// A part of this cell: what is known of the whole holds for each part, though it may
+    /// say too much.
+    pub(crate) fn part(&self, version: u64) -> Self {
+        Self {
+            samples: 0,
+            lights: self.lights.iter().map(LightEvidence::part).collect(),
+            version,
+        }
+    }
+
     /// Samples taken in the cell.
     #[must_use]
     pub fn samples(&self) -> u32 {
         self.samples
     }
 
+    /// Whether nothing is known of it.
+    pub(crate) fn is_blank(&self) -> bool {
+        self.lights.is_empty()
+    }
+
     /// The lights that reach the cell, in order of their number.
-    #[must_use]
-    pub fn lights(&self) -> &[LightEvidence] {
-        &self.lights
+    pub fn lights(&self) -> impl Iterator<Item = &LightEvidence> {
+        self.lights.iter().filter(|entry| entry.is_lit())
     }
 
     /// The lights that could light the cell but were never seen from it, in order of their
     /// number.
-    #[must_use]
-    pub fn hidden(&self) -> &[HiddenLight] {
-        &self.hidden
+    pub fn hidden(&self) -> impl Iterator<Item = &LightEvidence> {
+        self.lights.iter().filter(|entry| !entry.is_lit())
     }
 
-    /// What is known of a light, if it was ever seen from here.
+    /// What is known of a light, seen or hidden.
     #[must_use]
-    pub fn light(&self, light: u32) -> Option<&LightEvidence> {
+    pub fn evidence(&self, light: u32) -> Option<&LightEvidence> {
         let place = self
             .lights
             .binary_search_by_key(&light, |entry| entry.light);
         place.ok().map(|index| &self.lights[index])
     }
 
-    /// What shaders make of a light, if `trust` samples must agree on one that gives all of
-    /// a pixel's light, and fewer on one that gives less. At 0 they trust everything, as in
+    /// What shaders make of a light, if `trust` rays must agree on one that gives all of a
+    /// pixel's light, and fewer on one that gives less. At 0 they trust everything, as in
     /// the paper: what is not known to be lit is hidden.
     #[must_use]
     pub fn standing(&self, light: u32, trust: u32) -> Standing<'_> {
-        if let Some(entry) = self.light(light) {
-            return if entry.is_trusted(trust) {
-                Standing::Lit(entry)
-            } else {
-                Standing::Doubtful
-            };
-        }
-        let place = self
-            .hidden
-            .binary_search_by_key(&light, |entry| entry.light);
-        if trust == 0 || place.is_ok_and(|index| self.hidden[index].is_trusted(trust)) {
-            Standing::Hidden
-        } else {
-            Standing::Doubtful
+        match self.evidence(light) {
+            Some(entry) if entry.crowded => Standing::Crowded,
+            Some(entry) if !entry.is_trusted(trust) => Standing::Doubtful,
+            Some(entry) if entry.is_lit() => Standing::Lit(entry),
+            None if trust > 0 => Standing::Doubtful,
+            _ => Standing::Hidden,
         }
     }
 
-    /// The cell's complexity: the sum of all occluders (LIE §4.1).
+    /// The cell's complexity: the sum of all occluders (LIE §4.1) that were seen to block a
+    /// ray from it. A crowded light counts as more than `crowd`.
     #[must_use]
-    pub fn complexity(&self) -> usize {
-        self.lights.iter().map(|entry| entry.occluders.len()).sum()
+    pub fn complexity(&self, crowd: u32) -> usize {
+        let own = |entry: &LightEvidence| match entry.is_past_listing() {
+            true => crowd as usize + 1,
+            false => entry.occluders.iter().filter(|own| own.hits > 0).count(),
+        };
+        self.lights().map(own).sum()
     }
 
-    /// Takes in one sample: the three cases of LIE §4.1, and evidence. Says whether shaders
-    /// now see the cell differently.
-    pub(crate) fn record(&mut self, outcomes: &[Outcome], trust: u32) -> bool {
-        self.samples = self.samples.saturating_add(1);
-        let mut changed = false;
+    /// Occluders in all of its lists.
+    #[must_use]
+    pub fn listed(&self) -> usize {
+        self.lights().map(|entry| entry.occluders.len()).sum()
+    }
+
+    /// Takes in what some samples saw: the three cases of LIE §4.1, and evidence. Rays that
+    /// reached their lights count first, so that whatever blocked the others of the same
+    /// light is kept.
+    pub(crate) fn record<'a>(
+        &mut self,
+        samples: u32,
+        outcomes: impl Iterator<Item = &'a Outcome> + Clone,
+        crowd: u32,
+    ) {
+        self.samples = self.samples.saturating_add(samples);
+        for outcome in outcomes.clone() {
+            if outcome.blocker.is_none() {
+                self.entry(outcome).see(outcome.rays.min(PER_SAMPLE));
+            }
+        }
         for outcome in outcomes {
-            let light = outcome.light;
-            let was_doubtful = self.standing(light, trust) == Standing::Doubtful;
-            let news = match outcome.blocker {
-                None => self.see(outcome),
-                Some(triangle) => self.block(outcome, triangle),
-            };
-            let is_doubtful = self.standing(light, trust) == Standing::Doubtful;
-            changed |= was_doubtful != is_doubtful || (news && !is_doubtful);
+            if let Some(triangle) = outcome.blocker {
+                let rays = outcome.rays.min(PER_SAMPLE);
+                self.entry(outcome).block(triangle, rays, crowd);
+            }
         }
-        changed
-    }
-
-    /// An unoccluded sample. Says whether it saw the light for the first time.
-    fn see(
-        &mut self,
-        &Outcome {
-            light, importance, ..
-        }: &Outcome,
-    ) -> bool {
-        match self
-            .lights
-            .binary_search_by_key(&light, |entry| entry.light)
-        {
-            Ok(index) => {
-                let entry = &mut self.lights[index];
-                entry.clear = entry.clear.saturating_add(1);
-                entry.agreed = entry.agreed.saturating_add(1);
-                entry.importance = entry.importance.max(importance);
-                false
-            }
-            // Unoccluded and not in the LIE: the light is added.
-            Err(index) => {
-                self.hidden.retain(|entry| entry.light != light);
-                let entry = LightEvidence {
-                    light,
-                    clear: 1,
-                    blocked: 0,
-                    agreed: 0,
-                    importance,
-                    occluders: vec![],
-                };
-                self.lights.insert(index, entry);
-                true
-            }
+        for entry in &mut self.lights {
+            entry.settle(crowd);
         }
     }
 
-    /// An occluded sample. Says whether it added an occluder.
-    fn block(
-        &mut self,
-        &Outcome {
-            light, importance, ..
-        }: &Outcome,
-        triangle: u32,
-    ) -> bool {
-        match self
+    /// The entry that an outcome belongs to, made first if there is none.
+    fn entry(&mut self, outcome: &Outcome) -> &mut LightEvidence {
+        let place = self
             .lights
-            .binary_search_by_key(&light, |entry| entry.light)
-        {
-            // In the LIE: partially occluded, and the blocker joins the light's occluders.
-            Ok(index) => {
-                let entry = &mut self.lights[index];
-                entry.importance = entry.importance.max(importance);
-                entry.block(triangle)
-            }
-            // Not in the LIE: it stays as it is, but for the evidence.
-            Err(_) => {
-                let new = HiddenLight {
-                    light,
-                    blocked: 0,
-                    importance,
-                };
-                let place = self
-                    .hidden
-                    .binary_search_by_key(&light, |entry| entry.light);
-                let index = place.unwrap_or_else(|index| {
-                    self.hidden.insert(index, new);
-                    index
-                });
-                let entry = &mut self.hidden[index];
-                entry.blocked = entry.blocked.saturating_add(1);
-                entry.importance = entry.importance.max(importance);
-                false
-            }
-        }
+            .binary_search_by_key(&outcome.light, |entry| entry.light);
+        let index = place.unwrap_or_else(|index| {
+            self.lights.insert(index, LightEvidence::new(outcome.light));
+            index
+        });
+        let entry = &mut self.lights[index];
+        entry.importance = entry.importance.max(outcome.importance);
+        entry
     }
 
     /// What shaders see of the cell.
     #[must_use]
     pub(crate) fn state(&self, trust: u32) -> LieState {
-        let lights = self.lights.iter().filter(|entry| entry.is_trusted(trust));
-        // Without doubt, every light that is not lit is hidden: no need to name it.
-        let hidden = self
-            .hidden
-            .iter()
-            .filter(|entry| trust > 0 && entry.is_trusted(trust));
+        let trusted = |entry: &&LightEvidence| entry.is_trusted(trust);
         LieState {
-            lights: lights
-                .map(|entry| LitLight {
-                    light: entry.light,
-                    occluders: entry
-                        .occluders
-                        .iter()
-                        .map(|occluder| occluder.triangle)
-                        .collect(),
-                })
+            lights: self
+                .lights()
+                .filter(|entry| !entry.crowded)
+                .filter(trusted)
+                .map(LightEvidence::to_lit)
                 .collect(),
-            hidden: hidden.map(|entry| entry.light).collect(),
+            crowded: self
+                .lights()
+                .filter(|entry| entry.crowded)
+                .map(|entry| entry.light)
+                .collect(),
+            // Without doubt, every light that is not lit is hidden: no need to name it.
+            hidden: self
+                .hidden()
+                .filter(|_| trust > 0)
+                .filter(trusted)
+                .map(|entry| entry.light)
+                .collect(),
         }
     }
 
     /// Heap memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.lights[..])
-            + size_of_val(&self.hidden[..])
-            + self.complexity() * size_of::<Occluder>()
-    }
-}
-
-/// Samples that must agree on a light of this importance: in proportion to it, so that what
-/// may be wrong of any light is worth about the same; but at least a sixteenth.
-fn required(trust: u32, importance: f32) -> f32 {
-    trust as f32 * importance.clamp(1.0 / 16.0, 1.0)
-}
-
-impl HiddenLight {
-    fn is_trusted(&self, trust: u32) -> bool {
-        self.blocked as f32 >= required(trust, self.importance)
+        let occluders: usize = self.lights.iter().map(|entry| entry.occluders.len()).sum();
+        size_of_val(&self.lights[..]) + occluders * size_of::<Occluder>()
     }
 }
 
 impl LightEvidence {
-    fn is_trusted(&self, trust: u32) -> bool {
-        self.agreed as f32 >= required(trust, self.importance)
+    /// Rays from a cell after which what it inherited and they did not confirm is dropped.
+    const SETTLED: u32 = 64;
+
+    fn new(light: u32) -> Self {
+        Self {
+            light,
+            clear: 0,
+            blocked: 0,
+            agreed: 0,
+            importance: 0.0,
+            inherited: false,
+            crowded: false,
+            occluders: vec![],
+        }
     }
 
-    /// Counts a blocked sample; says whether the blocker is new.
-    fn block(&mut self, triangle: u32) -> bool {
-        self.blocked = self.blocked.saturating_add(1);
-        if let Some(known) = self
+    /// What holds in a part of the cell. A plane through a cell leaves a surface about a
+    /// quarter of its rays.
+    fn part(&self) -> Self {
+        let inherited = |occluder: &Occluder| Occluder {
+            triangle: occluder.triangle,
+            hits: 0,
+        };
+        Self {
+            clear: 0,
+            blocked: 0,
+            agreed: self.agreed / 4,
+            inherited: self.is_lit(),
+            occluders: self.occluders.iter().map(inherited).collect(),
+            ..*self
+        }
+    }
+
+    /// Whether the light is in the LIE.
+    fn is_lit(&self) -> bool {
+        self.clear > 0 || self.inherited
+    }
+
+    /// Whether it is crowded for good: nothing is left to learn.
+    pub(crate) fn is_past_listing(&self) -> bool {
+        self.crowded && !self.inherited
+    }
+
+    /// Draws the conclusions from what was counted.
+    fn settle(&mut self, crowd: u32) {
+        let is_crowd = self.occluders.len() > crowd as usize;
+        if self.inherited && self.clear.saturating_add(self.blocked) >= Self::SETTLED {
+            // There are rays enough to drop what they did not confirm.
+            self.inherited = false;
+            self.occluders.retain(|occluder| occluder.hits > 0);
+            self.crowded = self.is_lit() && self.occluders.len() > crowd as usize;
+            if self.clear == 0 {
+                self.agreed = self.blocked;
+            }
+        } else if self.is_lit() && is_crowd {
+            self.crowded = true;
+        }
+        if self.is_past_listing() {
+            self.occluders = vec![];
+        }
+    }
+
+    /// Whether as many rays agree as the light's importance asks for: in proportion to it,
+    /// so that what may be wrong of any light is worth about the same; but at least a
+    /// sixteenth.
+    fn is_trusted(&self, trust: u32) -> bool {
+        self.agreed as f32 >= trust as f32 * self.importance.clamp(1.0 / 16.0, 1.0)
+    }
+
+    /// Rays that reached the light.
+    fn see(&mut self, rays: u32) {
+        if !self.is_lit() {
+            self.agreed = 0;
+        }
+        self.clear = self.clear.saturating_add(rays);
+        self.agreed = self.agreed.saturating_add(rays);
+    }
+
+    /// Rays that a triangle blocked.
+    fn block(&mut self, triangle: u32, rays: u32, crowd: u32) {
+        self.blocked = self.blocked.saturating_add(rays);
+        self.agreed = self.agreed.saturating_add(rays);
+        let known = self
             .occluders
             .iter_mut()
-            .find(|occluder| occluder.triangle == triangle)
-        {
-            known.hits = known.hits.saturating_add(1);
-            self.agreed = self.agreed.saturating_add(1);
-            return false;
+            .find(|occluder| occluder.triangle == triangle);
+        if let Some(known) = known {
+            known.hits = known.hits.saturating_add(rays);
+        } else if self.is_lit() || self.occluders.len() < crowd as usize {
+            let hits = rays;
+            self.occluders.push(Occluder { triangle, hits });
+            if self.is_lit() {
+                self.agreed = 0;
+            }
         }
-        self.occluders.push(Occluder { triangle, hits: 1 });
-        self.agreed = 0;
-        true
+    }
+
+    fn to_lit(&self) -> LitLight {
+        LitLight {
+            light: self.light,
+            occluders: self
+                .occluders
+                .iter()
+                .map(|occluder| occluder.triangle)
+                .collect(),
+        }
     }
 }
 
@@ -293,83 +332,79 @@ mod tests {
 
     const SEEN: Option<u32> = None;
 
-    fn record(lie: &mut Lie, outcomes: &[(u32, Option<u32>)], trust: u32) -> bool {
+    fn record(lie: &mut Lie, outcomes: &[(u32, Option<u32>)]) {
         let outcomes: Vec<_> = outcomes
             .iter()
             .map(|&(light, blocker)| Outcome {
                 light,
                 blocker,
+                rays: 1,
                 importance: 1.0,
             })
             .collect();
-        lie.record(&outcomes, trust)
+        lie.record(1, outcomes.iter(), 3);
+    }
+
+    fn standing(lie: &Lie, light: u32, trust: u32) -> &'static str {
+        match lie.standing(light, trust) {
+            Standing::Lit(_) => "lit",
+            Standing::Hidden => "hidden",
+            Standing::Crowded => "crowded",
+            Standing::Doubtful => "doubtful",
+        }
+    }
+
+    fn triangles(lie: &Lie, light: u32) -> Vec<(u32, u32)> {
+        let occluders = &lie.evidence(light).unwrap().occluders;
+        occluders
+            .iter()
+            .map(|known| (known.triangle, known.hits))
+            .collect()
     }
 
     #[test]
     fn the_three_cases_of_the_paper() {
         let mut lie = Lie::default();
-        assert!(!record(&mut lie, &[(4, Some(1))], 0));
-        assert!(
-            lie.lights().is_empty(),
-            "a light that nothing saw is not added"
-        );
-        assert!(record(&mut lie, &[(4, SEEN), (2, SEEN)], 0));
-        assert!(record(&mut lie, &[(4, Some(1))], 0));
-        assert!(
-            !record(&mut lie, &[(4, Some(1)), (2, SEEN)], 0),
-            "nothing new"
-        );
-        assert_eq!(
-            lie.lights()
-                .iter()
-                .map(|entry| entry.light)
-                .collect::<Vec<_>>(),
-            [2, 4]
-        );
-        assert_eq!((lie.samples(), lie.complexity()), (4, 1));
-        let entry = lie.light(4).unwrap();
-        assert_eq!((entry.clear, entry.blocked), (1, 2));
-        assert_eq!(
-            entry.occluders,
-            [Occluder {
-                triangle: 1,
-                hits: 2
-            }]
-        );
+        record(&mut lie, &[(4, Some(1))]);
+        assert_eq!(lie.lights().count(), 0, "what nothing saw is not added");
+        record(&mut lie, &[(4, SEEN), (2, SEEN)]);
+        record(&mut lie, &[(4, Some(1))]);
+        record(&mut lie, &[(4, Some(1)), (2, SEEN)]);
+        let lit: Vec<u32> = lie.lights().map(|entry| entry.light).collect();
+        assert_eq!(lit, [2, 4]);
+        assert_eq!((lie.samples(), lie.complexity(3)), (4, 1));
+        let entry = lie.evidence(4).unwrap();
+        assert_eq!((entry.clear, entry.blocked), (1, 3));
+        assert_eq!(triangles(&lie, 4), [(1, 3)]);
     }
 
     #[test]
-    fn trust_takes_samples_that_agree_and_ends_with_one_that_does_not() {
+    fn of_one_batch_what_saw_the_light_counts_first() {
         let mut lie = Lie::default();
-        let standing = |lie: &Lie, light| match lie.standing(light, 2) {
-            Standing::Lit(_) => "lit",
-            Standing::Hidden => "hidden",
-            Standing::Doubtful => "doubtful",
-        };
-        assert!(!record(&mut lie, &[(0, SEEN), (1, Some(7))], 2));
-        assert!(
-            record(&mut lie, &[(0, SEEN), (1, Some(7))], 2),
-            "light 1 is now trusted to be hidden"
-        );
+        record(&mut lie, &[(0, Some(8)), (0, SEEN), (0, Some(9))]);
+        assert_eq!(triangles(&lie, 0), [(8, 1), (9, 1)]);
+    }
+
+    #[test]
+    fn trust_takes_rays_that_agree_and_ends_with_one_that_does_not() {
+        let mut lie = Lie::default();
+        record(&mut lie, &[(0, SEEN), (1, Some(7))]);
+        assert_eq!(standing(&lie, 0, 2), "doubtful");
+        record(&mut lie, &[(0, SEEN), (1, Some(7))]);
+        assert_eq!(standing(&lie, 0, 2), "lit");
+        assert_eq!(standing(&lie, 1, 2), "hidden");
+        assert_eq!(standing(&lie, 9, 2), "doubtful");
+        assert_eq!(standing(&lie, 9, 0), "hidden");
+        let known = lie.state(2);
+        assert_eq!((known.lights.len(), &known.hidden[..]), (1, &[1][..]));
+        record(&mut lie, &[(0, Some(3)), (1, SEEN)]);
+        assert_eq!(standing(&lie, 0, 2), "doubtful", "a new occluder");
         assert_eq!(
-            (standing(&lie, 0), standing(&lie, 1), standing(&lie, 9)),
-            ("doubtful", "hidden", "doubtful")
+            standing(&lie, 1, 2),
+            "doubtful",
+            "it is not hidden after all"
         );
-        assert_eq!(
-            lie.state(2),
-            LieState {
-                lights: vec![],
-                hidden: vec![1]
-            }
-        );
-        assert!(record(&mut lie, &[(0, SEEN), (1, SEEN)], 2));
-        assert_eq!((standing(&lie, 0), standing(&lie, 1)), ("lit", "doubtful"));
-        assert!(
-            record(&mut lie, &[(0, Some(3))], 2),
-            "a new occluder ends the trust"
-        );
-        assert_eq!(standing(&lie, 0), "doubtful");
-        assert!(lie.hidden().is_empty());
+        assert_eq!(lie.hidden().count(), 0);
     }
 
     #[test]
@@ -378,12 +413,51 @@ mod tests {
         let outcome = |light, importance| Outcome {
             light,
             blocker: SEEN,
+            rays: 1,
             importance,
         };
+        let outcomes = [outcome(0, 1.0), outcome(1, 0.25), outcome(2, 0.0)];
         for _ in 0..17 {
-            lie.record(&[outcome(0, 1.0), outcome(1, 0.25), outcome(2, 0.0)], 64);
+            lie.record(1, outcomes.iter(), 3);
         }
         let trusted = |light| lie.standing(light, 64) != Standing::Doubtful;
         assert!(!trusted(0) && trusted(1) && trusted(2));
+    }
+
+    #[test]
+    fn too_many_occluders_are_not_listed() {
+        let mut lie = Lie::default();
+        record(&mut lie, &[(0, SEEN)]);
+        for triangle in 0..3 {
+            record(&mut lie, &[(0, Some(triangle))]);
+        }
+        assert_eq!(standing(&lie, 0, 0), "lit");
+        record(&mut lie, &[(0, Some(3))]);
+        assert_eq!(standing(&lie, 0, 0), "crowded");
+        assert_eq!((lie.listed(), lie.complexity(3)), (0, 4));
+        let state = lie.state(0);
+        assert_eq!((&state.crowded[..], state.lights.len()), (&[0][..], 0));
+    }
+
+    #[test]
+    fn a_part_keeps_what_is_known_until_it_knows_better() {
+        let mut whole = Lie::default();
+        record(&mut whole, &[(0, SEEN), (1, SEEN), (2, Some(5))]);
+        record(&mut whole, &[(0, Some(7)), (0, Some(8))]);
+        let mut part = whole.part(1);
+        assert_eq!(part.state(0), whole.state(0));
+        assert_eq!((part.samples(), part.complexity(3)), (0, 0));
+        for _ in 0..LightEvidence::SETTLED {
+            assert_eq!(part.state(0), whole.state(0));
+            record(&mut part, &[(0, Some(8)), (2, Some(5))]);
+        }
+        // Light 0 was never seen from the part; of light 1 nothing new is known.
+        let lit: Vec<u32> = part.lights().map(|entry| entry.light).collect();
+        assert_eq!(lit, [1]);
+        let mut part = whole.part(1);
+        for _ in 0..LightEvidence::SETTLED {
+            record(&mut part, &[(0, SEEN), (0, Some(8))]);
+        }
+        assert_eq!(triangles(&part, 0), [(8, LightEvidence::SETTLED)]);
     }
 }

@@ -15,12 +15,22 @@ pub struct LieSettings {
     pub max_depth: u32,
     /// A cell with more occluders than this, summed over its lights, splits.
     pub split_threshold: u32,
+    /// Observations that must come together from a cell for it to split: cells of a few
+    /// pixels would never see enough of their lights. 1 is the paper.
+    pub split_samples: u32,
     /// Samples that must agree on a light in a cell before shaders rely on it, if it gives
     /// all of a pixel's light; in proportion fewer if it gives less. Until then shaders
     /// trace its shadow rays. By the rule of three, what n samples agree on is wrong for
     /// fewer than 3/n of the rays (at 95 %). 0 is the paper: cells are relied on from the
     /// start, empty ones as well.
     pub trust: u32,
+    /// Whether the children of a cell that splits start with what is known of it, until
+    /// they know better. Without, they start from nothing, as in the paper.
+    pub inherit: bool,
+    /// Occluders of one light in one cell above which they are not listed any more: its
+    /// shadow rays go through the scene, which is cheaper then, and right. The paper lists
+    /// them all: [`u32::MAX`].
+    pub crowd: u32,
 }
 
 impl Default for LieSettings {
@@ -28,7 +38,10 @@ impl Default for LieSettings {
         Self {
             max_depth: 9,
             split_threshold: 24,
+            split_samples: 32,
             trust: 512,
+            inherit: true,
+            crowd: 64,
         }
     }
 }
@@ -110,26 +123,54 @@ impl LieTree {
         self.tree.key_at(point)
     }
 
-    /// Takes in one observation, and splits the cell if it has become too complex (LIE
-    /// §4.1): its children start from nothing. The observation may have been made against
-    /// an older state of the tree.
-    pub fn record(&mut self, observation: &Observation) {
-        let key = self.tree.key_at(observation.point);
+    /// Takes in observations, and splits the cells that have become too complex (LIE §4.1):
+    /// their children start from nothing but these observations. They may have been made
+    /// against an older state of the tree; those of one neighbourhood belong together.
+    pub fn record(&mut self, observations: &[Observation]) {
+        let mut placed: Vec<(CellKey, &Observation)> = observations
+            .iter()
+            .map(|observation| (self.tree.key_at(observation.point), observation))
+            .collect();
+        // Stable: within a cell, the order stays.
+        placed.sort_by_key(|&(key, _)| key);
+        for group in placed.chunk_by(|a, b| a.0 == b.0) {
+            self.record_in(group[0].0, group);
+        }
+        self.samples += observations.len() as u64;
+    }
+
+    /// Takes in observations from one leaf.
+    fn record_in(&mut self, key: CellKey, group: &[(CellKey, &Observation)]) {
         let (settings, version) = (self.settings, self.version);
         let Some(lie) = self.tree.leaf_mut(key) else {
             return;
         };
-        let changed = lie.record(&observation.outcomes, settings.trust);
-        self.samples += 1;
-        if changed {
+        let before = lie.clone();
+        let outcomes = group.iter().flat_map(|(_, seen)| &seen.outcomes);
+        lie.record(group.len() as u32, outcomes, settings.crowd);
+        if before.state(settings.trust) != lie.state(settings.trust) {
             lie.version = version + 1;
             self.changed.insert(key);
         }
-        let too_complex = lie.complexity() > settings.split_threshold as usize;
-        if too_complex && key.depth() < settings.max_depth {
-            let empty = Lie::empty(version + 1);
-            self.tree.split(key, &empty);
+        let too_complex = lie.complexity(settings.crowd) > settings.split_threshold as usize;
+        let dense = group.len() >= settings.split_samples as usize;
+        if too_complex && dense && key.depth() < settings.max_depth {
+            let child = if settings.inherit {
+                before.part(version + 1)
+            } else {
+                Lie::empty(version + 1)
+            };
+            self.tree.split(key, &child);
             self.changed.insert(key);
+            self.changed.extend((0..8).map(|octant| key.child(octant)));
+            let points = group.iter().map(|(_, seen)| *seen);
+            let mut children: Vec<(CellKey, &Observation)> = points
+                .map(|seen| (self.tree.key_at(seen.point), seen))
+                .collect();
+            children.sort_by_key(|&(key, _)| key);
+            for group in children.chunk_by(|a, b| a.0 == b.0) {
+                self.record_in(group[0].0, group);
+            }
         }
     }
 
@@ -167,7 +208,7 @@ impl LieTree {
     pub fn keys(&self) -> Vec<CellKey> {
         let mut keys = vec![];
         self.tree.for_each(|key, cell| match cell {
-            Cell::Leaf(lie) if lie.samples() == 0 => {}
+            Cell::Leaf(lie) if lie.is_blank() => {}
             _ => keys.push(key),
         });
         keys
@@ -180,8 +221,8 @@ impl LieTree {
         self.tree.for_each(|_, cell| {
             let Cell::Leaf(lie) = cell else { return };
             stats.cells += u64::from(lie.samples() > 0);
-            stats.entries += lie.lights().len() as u64;
-            stats.occluders += lie.complexity() as u64;
+            stats.entries += lie.lights().count() as u64;
+            stats.occluders += lie.listed() as u64;
             stats.bytes += (size_of::<Lie>() + lie.bytes()) as u64;
         });
         stats
@@ -193,22 +234,23 @@ impl LieTree {
     /// The first broken one.
     pub fn validate(&self) -> Result<(), String> {
         let mut broken = Ok(());
+        let settings_allow = |listed: usize| listed <= self.settings.crowd as usize;
         self.tree.for_each(|key, cell| {
             let Cell::Leaf(lie) = cell else { return };
-            let rising = lie
-                .lights()
-                .windows(2)
-                .all(|pair| pair[0].light < pair[1].light);
-            let seen = |entry: &LightEvidence| entry.clear >= 1 && entry.clear <= lie.samples();
-            let blocked = |entry: &LightEvidence| {
+            let rising = lie.lights().is_sorted_by(|a, b| a.light < b.light)
+                && lie.hidden().is_sorted_by(|a, b| a.light < b.light);
+            let counted = |entry: &LightEvidence| {
                 let hits: u32 = entry.occluders.iter().map(|occluder| occluder.hits).sum();
-                hits == entry.blocked && entry.occluders.iter().all(|occluder| occluder.hits >= 1)
+                let listed = settings_allow(entry.occluders.len());
+                hits <= entry.blocked && (listed || entry.inherited)
             };
+            let inherited = |entry: &LightEvidence| entry.inherited && self.settings.inherit;
             let holds = rising
                 && lie
                     .lights()
-                    .iter()
-                    .all(|entry| seen(entry) && blocked(entry))
+                    .all(|entry| entry.clear >= 1 || inherited(entry))
+                && lie.hidden().all(|entry| entry.clear == 0)
+                && lie.lights().chain(lie.hidden()).all(counted)
                 && key.depth() <= self.settings.max_depth
                 && lie.version <= self.version + 1;
             if !holds && broken.is_ok() {

@@ -29,7 +29,7 @@ pub enum CellBody {
 }
 
 /// An LIE without the evidence for it (LIE §4): what is trusted of each light. A light
-/// that is in neither list is doubtful, unless nothing is ever doubted
+/// that is in no list is doubtful, unless nothing is ever doubted
 /// ([`crate::LieSettings::trust`] is 0): then it is hidden.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LieState {
@@ -38,6 +38,9 @@ pub struct LieState {
     pub lights: Vec<LitLight>,
     /// The lights that are fully occluded, in order of their number.
     pub hidden: Vec<u32>,
+    /// The lights that reach the cell past so much that their shadow rays go through the
+    /// scene, in order of their number.
+    pub crowded: Vec<u32>,
 }
 
 /// A light that reaches a cell.

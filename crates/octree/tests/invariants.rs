@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::Vec3;
 use lie_geom::{Aabb, RandomKey, Ray};
 use lie_octree::{
-    CellKey, CellState, LieSettings, LieState, LieTree, Observation, Outcome, Replica, ShadowRay,
-    Visibility, observe,
+    CellKey, CellState, GROUP, LieSettings, LieState, LieTree, Observation, Observer, Outcome,
+    Replica, ShadowRay, Visibility,
 };
 use proptest::prelude::*;
 
@@ -19,34 +19,32 @@ const BOUNDS: Aabb = Aabb {
 
 /// One made-up sample: where, and per light what it met.
 fn observation() -> impl Strategy<Value = Observation> {
-    let outcome = (0u32..6, prop::option::of(0u32..12), 0.0f32..1.0).prop_map(
-        |(light, blocker, importance)| Outcome {
+    let outcome = (0u32..6, prop::option::of(0u32..12), 1u32..6, 0.0f32..1.0).prop_map(
+        |(light, blocker, rays, importance)| Outcome {
             light,
             blocker,
+            rays,
             importance,
         },
     );
     let point = [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0].prop_map(Vec3::from_array);
-    (point, prop::collection::vec(outcome, 0..6)).prop_map(|(point, mut outcomes)| {
-        outcomes.sort_by_key(|outcome| outcome.light);
-        outcomes.dedup_by_key(|outcome| outcome.light);
-        Observation {
-            point,
-            outcomes,
-            predicted: 0.0,
-            actual: 0.0,
-            trusted: 0,
-            scene_rays: 0,
-        }
+    (point, prop::collection::vec(outcome, 0..6)).prop_map(|(point, outcomes)| Observation {
+        outcomes,
+        ..Observation::at(point)
     })
 }
 
 fn settings() -> impl Strategy<Value = LieSettings> {
-    (1u32..5, 1u32..8, 0u32..5).prop_map(|(max_depth, split_threshold, trust)| LieSettings {
-        max_depth,
-        split_threshold,
-        trust,
-    })
+    (1u32..5, 1u32..8, 1u32..5, 0u32..5, any::<bool>(), 1u32..20).prop_map(
+        |(max_depth, split_threshold, split_samples, trust, inherit, crowd)| LieSettings {
+            max_depth,
+            split_threshold,
+            split_samples,
+            trust,
+            inherit,
+            crowd,
+        },
+    )
 }
 
 fn replica(tree: &LieTree) -> Replica<LieState> {
@@ -71,21 +69,26 @@ fn snapshot(tree: &LieTree) -> Replica<LieState> {
 }
 
 proptest! {
-    /// An LIE holds only lights that some sample in its cell saw, and an occluder list
-    /// only triangles that blocked some sample's ray to that light there.
+    /// An LIE holds only lights that some sample saw, and an occluder list only triangles
+    /// that blocked some sample's ray to that light: a sample in its cell, or, where cells
+    /// inherit, in one that it is part of.
     #[test]
     fn nothing_is_known_that_was_not_observed(
         samples in prop::collection::vec(observation(), 0..200), settings in settings(),
+        batch in 1usize..50,
     ) {
         let mut tree = LieTree::new(BOUNDS, settings);
-        for sample in &samples {
-            tree.record(sample);
+        for batch in samples.chunks(batch) {
+            tree.record(batch);
         }
         prop_assert_eq!(tree.validate(), Ok(()));
         for key in tree.keys() {
             let cell = tree.state(key).unwrap();
             let lie_octree::CellBody::Leaf(lie) = cell.body else { continue };
-            let here: Vec<_> = samples.iter().filter(|s| tree.key_at(s.point) == key).collect();
+            let here: Vec<_> = samples
+                .iter()
+                .filter(|s| settings.inherit || tree.key_at(s.point) == key)
+                .collect();
             let observed: BTreeSet<(u32, Option<u32>)> = here
                 .iter()
                 .flat_map(|s| s.outcomes.iter().map(|o| (o.light, o.blocker)))
@@ -114,9 +117,7 @@ proptest! {
             if index == join {
                 late = Some(snapshot(&tree));
             }
-            for sample in batch {
-                tree.record(sample);
-            }
+            tree.record(batch);
             for key in tree.commit() {
                 let state = tree.state(key).unwrap();
                 follower.apply(&state, LieState::clone);
@@ -141,31 +142,70 @@ proptest! {
         prop_assert_eq!(&leaves(&disordered), &expected);
     }
 
-    /// Where every ray agrees with the tree, the predicted picture is the actual one.
+    /// Where every ray agrees with the tree, the predicted picture is the actual one; and
+    /// what is new is known at once to the points that follow.
     #[test]
     fn a_converged_tree_predicts_what_is(points in prop::collection::vec([-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0], 1..40)) {
-        struct Slab;
-        impl Visibility for Slab {
-            fn blocker(&self, ray: &Ray) -> Option<u32> {
-                (ray.origin.x > 0.3).then_some(5)
-            }
-            fn blocks(&self, triangle: u32, ray: &Ray) -> bool {
-                self.blocker(ray) == Some(triangle)
-            }
+        let mut points: Vec<Vec3> = points.into_iter().map(Vec3::from_array).collect();
+        let settings = LieSettings { trust: 0, ..LieSettings::default() };
+        let mut tree = LieTree::new(BOUNDS, settings);
+        let rays: Vec<ShadowRay> = (0..)
+            .zip(&points)
+            .map(|(point, &from)| ShadowRay { point, ray: Ray::segment(from, 5.0 * Vec3::Y), weight: 2.0 })
+            .collect();
+        let mut observe = || {
+            let mut observer = Observer::new(&tree, &points, 0.0, RandomKey::new(1), &Slab);
+            observer.light(0, &rays);
+            let seen = observer.finish();
+            tree.record(&seen);
+            seen
+        };
+        for seen in observe() {
+            let blocked = seen.point.x > 0.3;
+            prop_assert_eq!(seen.actual, if blocked { 0.0 } else { 2.0 });
+            prop_assert_eq!(seen.outcomes[0].blocker.is_some(), blocked);
         }
-        let mut tree = LieTree::new(BOUNDS, LieSettings { trust: 0, ..LieSettings::default() });
-        let rays = |p: Vec3| [ShadowRay { light: 0, ray: Ray::segment(p, 5.0 * Vec3::Y), weight: 2.0 }];
-        for _ in 0..2 {
-            for &point in &points {
-                let point = Vec3::from_array(point);
-                let seen = observe(&tree, point, &rays(point), 0.0, &Slab);
-                tree.record(&seen);
-            }
-        }
-        for &point in &points {
-            let point = Vec3::from_array(point);
-            let seen = observe(&tree, point, &rays(point), 0.0, &Slab);
+        observe();
+        for seen in observe() {
             prop_assert_eq!(seen.predicted, seen.actual);
         }
+        points.retain(|point| point.x > 0.3);
+        let evidence = points.first().and_then(|&point| tree.lie_at(point).evidence(0));
+        prop_assert!(evidence.is_none_or(|known| known.occluders.len() == 1));
+    }
+}
+
+/// A world in which two triangles, one behind the other, are in the way above x = 0.3.
+struct Slab;
+
+impl Visibility for Slab {
+    type Rays = Vec<Ray>;
+
+    fn gather(&self, rays: &[Ray]) -> Vec<Ray> {
+        rays.to_vec()
+    }
+
+    fn blockers(&self, rays: &Vec<Ray>) -> [Option<u32>; GROUP] {
+        let mut blockers = [None; GROUP];
+        for (place, blocker) in blockers.iter_mut().enumerate().take(rays.len()) {
+            let found = 5 + (place % 2) as u32;
+            *blocker = (self.blocked_by(found, rays) >> place & 1 == 1).then_some(found);
+        }
+        blockers
+    }
+
+    fn blocked_by(&self, triangle: u32, rays: &Vec<Ray>) -> u32 {
+        let is_blocked = |ray: &Ray| (5..7).contains(&triangle) && ray.origin.x > 0.3;
+        rays.iter().enumerate().fold(0, |mask, (lane, ray)| {
+            mask | u32::from(is_blocked(ray)) << lane
+        })
+    }
+
+    fn neighbours(&self, triangle: u32, found: &mut Vec<u32>) {
+        found.push(triangle + 1);
+    }
+
+    fn aim(&self, _: u32, _: u32, _: u32, _: RandomKey) -> Option<Ray> {
+        None
     }
 }

@@ -46,7 +46,7 @@ pub struct WireCell {
 pub enum WireBody {
     /// Split into eight.
     Interior,
-    /// What is trusted of each light; one in neither list is doubtful.
+    /// What is trusted of each light; one in no list is doubtful.
     Leaf {
         /// The lights that reach the cell, in rising order.
         #[serde(deserialize_with = "bounded::list::<{ limit::LIGHTS }, _, _>")]
@@ -54,6 +54,9 @@ pub enum WireBody {
         /// The lights that do not, in rising order.
         #[serde(deserialize_with = "bounded::list::<{ limit::LIGHTS }, _, _>")]
         hidden: Vec<u32>,
+        /// The lights whose rays to the cell go through the scene, in rising order.
+        #[serde(deserialize_with = "bounded::list::<{ limit::LIGHTS }, _, _>")]
+        crowded: Vec<u32>,
     },
 }
 

@@ -9,8 +9,9 @@ pub struct LieCell {
     pub unoccluded: Vec<u32>,
     /// Lights that some points see in part.
     pub partial: Vec<LieLight>,
-    /// Lights that too little is known of: their shadow rays go through the scene.
-    pub doubtful: Vec<u32>,
+    /// Lights whose shadow rays go through the scene, since too little is known of them or
+    /// too much is in the way.
+    pub traced: Vec<u32>,
 }
 
 /// A partially occluded light.
@@ -34,7 +35,7 @@ impl LieCell {
         size_of::<Self>()
             + size_of_val(&self.unoccluded[..])
             + size_of_val(&self.partial[..])
-            + size_of_val(&self.doubtful[..])
+            + size_of_val(&self.traced[..])
             + occluders
     }
 }

@@ -24,13 +24,15 @@ pub struct LightRay {
 
 /// Everything that a light's rays at one surface point depend on.
 #[derive(Clone, Copy)]
-pub(crate) struct LightPoints<'a> {
-    pub(crate) surface: &'a Surface,
-    pub(crate) brdf: &'a Brdf,
+pub struct LightPoints<'a> {
+    /// Where the rays start.
+    pub surface: &'a Surface,
+    /// How it reflects.
+    pub brdf: &'a Brdf,
     /// The camera ray's key.
-    pub(crate) key: RandomKey,
+    pub key: RandomKey,
     /// Sample points on an area light, as columns and rows.
-    pub(crate) strata: (u32, u32),
+    pub strata: (u32, u32),
 }
 
 impl LightPoints<'_> {
@@ -89,7 +91,7 @@ impl World {
     /// [`Self::for_each_lobe_ray`], add up to the light's whole. Rays that carry nothing,
     /// whatever the visibility, are left out: from behind the surface, out of the cone, black.
     #[inline]
-    pub(crate) fn for_each_light_ray(
+    pub fn for_each_light_ray(
         &self,
         index: u32,
         points: &LightPoints<'_>,
@@ -119,6 +121,51 @@ impl World {
         }
     }
 
+    /// A shadow ray to a light that passes through `place`. To an area light it starts at the
+    /// surface point, and there is none where no part of the light lies behind the place; or
+    /// if the light has too many triangles to look for one. To a light without extent it
+    /// starts where the surface, were it flat, has the place between it and the light.
+    #[must_use]
+    pub fn light_ray_past(
+        &self,
+        index: u32,
+        points: &LightPoints<'_>,
+        place: Vec3,
+    ) -> Option<LightRay> {
+        let light = self.scene().lights.get(index as usize)?;
+        let surface = points.surface;
+        let LightKind::Area(area) = &light.kind else {
+            let sample = light.sample(surface.position, Vec2::ZERO, self.reach())?;
+            let along = match light.kind {
+                LightKind::Directional { direction, .. } => direction,
+                _ => place - sample.target,
+            };
+            let toward = along.dot(surface.geometric_normal);
+            let t = (surface.position - place).dot(surface.geometric_normal) / toward;
+            let shift = place + t * along - surface.position;
+            // In front of the light, and behind the place.
+            let moved = Surface {
+                position: surface.position + shift,
+                shadow_origin: surface.shadow_origin + shift,
+                ..*surface
+            };
+            let sample = light.sample(moved.position, Vec2::ZERO, self.reach())?;
+            let radiance = points.brdf.times_cosine(sample.wi) * sample.normal_irradiance;
+            return (t > 0.0)
+                .then(|| LightRay::new(index, &moved, sample.target, radiance))
+                .flatten();
+        };
+        if area.triangles().len() > MAX_LOBE_TRIANGLES {
+            return None;
+        }
+        let direction = (place - surface.shadow_origin).try_normalize()?;
+        let mut found = None;
+        area.points_along(&Ray::new(surface.shadow_origin, direction), |point| {
+            found = points.ray_to(index, area, point).or(found);
+        });
+        found
+    }
+
     /// Calls `found` with the shadow rays to the area lights that lie in directions of
     /// [`LightPoints::lobe_directions`].
     #[inline]
@@ -142,81 +189,10 @@ impl World {
             }
         }
     }
-
-    /// One ray to a random point on every light that could light the surface: a
-    /// construction sample (LIE §4.1). Each ray's `radiance` is an estimate of the light's
-    /// whole, but for the rays that LIEs are not asked about.
-    ///
-    /// Of several points on an area light the one is taken, by chance, that gives most
-    /// (Talbot et al. 2005, *Importance Resampling for Global Illumination*): next to a
-    /// lamp nearly all light comes from a small part of it, and an occluder that is missed
-    /// there is the one that is seen.
-    pub fn light_rays(&self, surface: &Surface, key: RandomKey, rays: &mut Vec<LightRay>) {
-        let brdf = Brdf::new(self.scene(), surface);
-        let points = LightPoints {
-            surface,
-            brdf: &brdf,
-            key,
-            strata: CANDIDATES,
-        };
-        rays.clear();
-        for index in 0..self.scene().lights.len() as u32 {
-            let random = key.mix(u64::from(index)).uniform(u32::MAX);
-            let (mut plain, mut exact) = (Resampled::new(random), Resampled::new(random));
-            self.for_each_light_ray(index, &points, |ray| {
-                let side = if ray.exact { &mut exact } else { &mut plain };
-                side.add(ray);
-            });
-            // Exact rays tell something only where there are no others: that the light is there.
-            rays.extend(plain.finish().or_else(|| exact.finish()));
-        }
-    }
 }
 
 /// Follow the lobe only to lights of at most so many triangles: each is tested.
 const MAX_LOBE_TRIANGLES: usize = 64;
-
-/// Points on an area light of which a construction sample takes one, as strata.
-const CANDIDATES: (u32, u32) = (4, 2);
-
-/// One of many rays to a light, chosen with a chance in proportion to its weight as they
-/// come by (reservoir sampling).
-struct Resampled {
-    random: f32,
-    total: f32,
-    chosen: Option<LightRay>,
-}
-
-impl Resampled {
-    fn new(random: f32) -> Self {
-        Self {
-            random,
-            total: 0.0,
-            chosen: None,
-        }
-    }
-
-    fn add(&mut self, ray: LightRay) {
-        let weight = ray.weight();
-        self.total += weight;
-        let chance = weight / self.total;
-        // One random number serves all: what a decision leaves of it is uniform again.
-        if self.random < chance {
-            self.random /= chance;
-            self.chosen = Some(ray);
-        } else {
-            self.random = (self.random - chance) / (1.0 - chance);
-        }
-    }
-
-    /// The chosen ray, carrying what all of them did.
-    fn finish(self) -> Option<LightRay> {
-        self.chosen.map(|ray| LightRay {
-            radiance: ray.radiance * (self.total / ray.weight()),
-            ..ray
-        })
-    }
-}
 
 impl LightRay {
     /// A ray from a surface; `None` if it carries nothing.

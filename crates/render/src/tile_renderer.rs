@@ -201,9 +201,9 @@ impl<'a> TileRenderer<'a> {
     ) -> ShadingPoint<'a> {
         let cell = self.lies.map(|lies| lies.cell(surface.position));
         let answered = cell.map_or(0, |cell| cell.unoccluded.len() + cell.partial.len());
-        let doubtful = cell.map_or(self.world.scene().lights.len(), |cell| cell.doubtful.len());
+        let traced = cell.map_or(self.world.scene().lights.len(), |cell| cell.traced.len());
         self.stats.trusted += answered as u64;
-        self.stats.evaluations += (answered + doubtful) as u64;
+        self.stats.evaluations += (answered + traced) as u64;
         let brdf = Brdf::new(self.world.scene(), &surface);
         ShadingPoint {
             pixel,
@@ -297,8 +297,8 @@ impl<'a> TileRenderer<'a> {
             if self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
-            let doubts = |cell: &LieCell| cell.doubtful.binary_search(&index).is_ok();
-            for point in points.iter().filter(|point| point.cell.is_none_or(doubts)) {
+            let traces = |cell: &LieCell| cell.traced.binary_search(&index).is_ok();
+            for point in points.iter().filter(|point| point.cell.is_none_or(traces)) {
                 let light_points = self.light_points(point);
                 let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
                 self.world.for_each_light_ray(index, &light_points, trace);

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use lie_accel::{Accel, Bvh, Cutout};
+use lie_accel::{Accel, Bvh, Cutout, PACKET, RayPacket};
 use lie_geom::{Ray, Triangle};
 use lie_scene::{Scene, Surface};
 
@@ -59,12 +59,23 @@ impl World {
             .map(|hit| self.scene.surface(ray, &hit))
     }
 
-    /// Whether one triangle blocks a ray, holes considered.
+    /// Which of some rays (at most sixteen), given as a packet and one by one, a triangle
+    /// blocks, holes considered: bit `i` for ray `i`.
     #[must_use]
-    pub fn blocks(&self, triangle: u32, ray: &Ray) -> bool {
-        self.triangles
-            .get(triangle as usize)
-            .and_then(|shape| shape.intersect(ray))
-            .is_some_and(|hit| self.scene.is_solid(triangle, hit.u, hit.v))
+    pub fn blocked_by(&self, triangle: u32, packet: &RayPacket, rays: &[Ray]) -> u32 {
+        let Some(shape) = self.triangles.get(triangle as usize) else {
+            return 0;
+        };
+        let blocked = packet.blocked_by(shape);
+        if blocked == 0 || !Cutout::has_holes(&*self.scene, triangle) {
+            return blocked;
+        }
+        let is_solid = |ray: &Ray| {
+            let hit = shape.intersect(ray);
+            hit.is_some_and(|hit| self.scene.is_solid(triangle, hit.u, hit.v))
+        };
+        (0..rays.len().min(PACKET))
+            .filter(|&lane| is_solid(&rays[lane]))
+            .fold(0, |mask, lane| mask | 1 << lane)
     }
 }

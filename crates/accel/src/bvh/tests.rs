@@ -100,15 +100,19 @@ fn check(geometry: &Geometry, cutout: Option<Arc<dyn Cutout>>, rays: &[Ray]) {
         let together = RayPacket::new(packet);
         let closest = bvh.closest_packet(&together);
         let blocked = bvh.blocked_packet(&together);
+        let blockers = bvh.blocker_packet(&together);
         for (lane, ray) in packet.iter().enumerate() {
             let expected = brute_force(geometry, ray, cutout.as_deref());
             assert_eq!(bvh.closest(ray), expected, "{ray:?}");
             assert_eq!(closest[lane], expected, "packet lane {lane}: {ray:?}");
             assert_eq!(blocked >> lane & 1 == 1, expected.is_some());
-            let blocker = bvh.blocker(ray);
-            assert_eq!(blocker.is_some(), expected.is_some());
-            if let Some(blocker) = blocker {
-                assert!(geometry.triangle(blocker).intersect(ray).is_some());
+            for blocker in [bvh.blocker(ray), blockers[lane]] {
+                assert_eq!(blocker.is_some(), expected.is_some());
+                if let Some(blocker) = blocker {
+                    let triangle = geometry.triangle(blocker);
+                    assert!(triangle.intersect(ray).is_some());
+                    assert_eq!(together.blocked_by(&triangle) >> lane & 1, 1);
+                }
             }
             hits += usize::from(expected.is_some());
         }
@@ -205,4 +209,20 @@ fn an_occluder_list_answers_like_its_triangles() {
         assert_eq!(list.is_blocked(&ray, None), expected);
     }
     assert!(Occluders::gather(&geometry, None, &[999]).is_empty());
+}
+
+#[test]
+fn a_packet_asks_one_triangle_as_its_rays_would() {
+    let geometry = soup(40, 8);
+    let rays = rays(64, 9);
+    for packet in rays.chunks(PACKET - 3) {
+        let together = RayPacket::new(packet);
+        for triangle in (0..40).map(|index| geometry.triangle(index)) {
+            let mut expected = 0;
+            for (lane, ray) in packet.iter().enumerate() {
+                expected |= u32::from(triangle.intersect(ray).is_some()) << lane;
+            }
+            assert_eq!(together.blocked_by(&triangle), expected);
+        }
+    }
 }

@@ -78,7 +78,7 @@ pub(super) fn freeze(builder: &mut Builder, freeze: &Freeze) -> Progress {
     };
     let views = std::slice::from_ref(&freeze.view);
     let report = match freeze.samples {
-        Some(samples) => builder.sample(views, samples),
+        Some(samples) => builder.sample(views, samples, |_| {}),
         None => {
             let pixels = u64::from(freeze.view.size.x) * u64::from(freeze.view.size.y);
             builder.converge(views, MAX_PASSES * pixels, |_| {})

@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use lie_octree::CellState;
 use lie_protocol::{LieDelta, WireBody, WireCell, limit};
 
@@ -57,33 +59,49 @@ impl Parts {
     }
 }
 
-/// A cell for the wire and the most bytes it may take. One that no message could hold goes
-/// without any light: all are doubtful, and the shader traces them, which is slow and right
-/// (but for a trust of 0, the paper's mode, where nothing is ever doubted).
+/// A cell for the wire and the most bytes it may take. Of one that no message could hold,
+/// every light goes as crowded: the shader traces it, which is slow and right.
 fn fitted(state: &CellState) -> (WireCell, usize) {
     let cell = wire_cell(state);
     let bytes = most_bytes(&cell);
     if bytes <= MAX_CELL {
         return (cell, bytes);
     }
-    tracing::warn!(
-        "cell {:#x} is too large to be sent: shaders go without it",
+    tracing::debug!(
+        "cell {:#x} is too large to be sent: its lights go as crowded",
         cell.key
     );
+    let crowded = match &cell.body {
+        WireBody::Interior => vec![],
+        WireBody::Leaf {
+            lights, crowded, ..
+        } => {
+            let lights = lights.iter().map(|entry| entry.light);
+            let every: BTreeSet<u32> = lights.chain(crowded.iter().copied()).collect();
+            every.into_iter().take(limit::LIGHTS).collect()
+        }
+    };
     let body = WireBody::Leaf {
         lights: vec![],
         hidden: vec![],
+        crowded,
     };
-    (WireCell { body, ..cell }, 32)
+    let cell = WireCell { body, ..cell };
+    let bytes = most_bytes(&cell);
+    (cell, bytes)
 }
 
 /// A length or a `u32` takes at most 5 bytes here, a `u64` at most 9.
 fn most_bytes(cell: &WireCell) -> usize {
     let lights = match &cell.body {
         WireBody::Interior => 0,
-        WireBody::Leaf { lights, hidden } => {
+        WireBody::Leaf {
+            lights,
+            hidden,
+            crowded,
+        } => {
             let lights = lights.iter().map(|light| 10 + 5 * light.occluders.len());
-            lights.sum::<usize>() + 5 * hidden.len()
+            lights.sum::<usize>() + 5 * (hidden.len() + crowded.len())
         }
     };
     32 + lights

@@ -140,35 +140,26 @@ impl Drop for Subscription<'_> {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use lie_geom::{Aabb, Ray};
-    use lie_octree::{LieSettings, LieState, Replica, ShadowRay, Visibility, observe};
+    use lie_geom::Aabb;
+    use lie_octree::{LieSettings, LieState, Observation, Outcome, Replica};
     use proptest::prelude::*;
 
     use super::*;
     use crate::{constructor::delta::Parts, convert};
 
     /// Something is in the way of every other place.
-    struct Stripes;
-
-    impl Visibility for Stripes {
-        fn blocker(&self, ray: &Ray) -> Option<u32> {
-            let stripe = (20.0 * (ray.origin.x + ray.origin.y)) as i32;
-            (stripe % 2 == 0).then_some(stripe.unsigned_abs())
-        }
-
-        fn blocks(&self, triangle: u32, ray: &Ray) -> bool {
-            self.blocker(ray) == Some(triangle)
-        }
-    }
-
     fn learn(tree: &mut LieTree, point: Vec3) {
-        let ray = |light| ShadowRay {
+        let stripe = (20.0 * (point.x + point.y)) as u32;
+        let outcome = |light| Outcome {
             light,
-            ray: Ray::segment(point, 9.0 * Vec3::Z),
-            weight: 1.0,
+            blocker: stripe.is_multiple_of(2).then_some(stripe),
+            rays: 1,
+            importance: 1.0,
         };
-        let observation = observe(tree, point, &[ray(0), ray(3)], 0.0, &Stripes);
-        tree.record(&observation);
+        tree.record(&[Observation {
+            outcomes: vec![outcome(0), outcome(3)],
+            ..Observation::at(point)
+        }]);
     }
 
     /// Applies what is owed as a shader would.
@@ -201,7 +192,13 @@ mod tests {
             ),
         ) {
             let bounds = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-            let settings = LieSettings { max_depth: 5, split_threshold: 3, trust: 2 };
+            let settings = LieSettings {
+                max_depth: 5,
+                split_threshold: 3,
+                split_samples: 1,
+                trust: 2,
+                ..LieSettings::default()
+            };
             let mut tree = LieTree::new(bounds, settings);
             let feed = LieFeed::new(tree.clone());
             let subscription = feed.subscribe(1);

@@ -21,6 +21,7 @@ fn cell(key: u64, version: u64) -> WireCell {
         body: WireBody::Leaf {
             lights: vec![],
             hidden: vec![],
+            crowded: vec![],
         },
     }
 }

@@ -108,6 +108,7 @@ async fn follow<R: AsyncRead + Unpin>(
         max_depth: welcome.settings.max_depth,
         split_threshold: welcome.settings.split_threshold,
         trust: welcome.settings.trust,
+        ..LieSettings::default()
     };
     let present = shared.stage.borrow().clone();
     let stage = match present.filter(|stage| stage.scene == welcome.scene) {

@@ -89,8 +89,16 @@ fn cell() -> impl Strategy<Value = WireCell> {
         .prop_map(|(light, occluders)| WireLight { light, occluders });
     let body = prop_oneof![
         Just(WireBody::Interior),
-        (vec(light, 0..5), vec(any::<u32>(), 0..5))
-            .prop_map(|(lights, hidden)| WireBody::Leaf { lights, hidden })
+        (
+            vec(light, 0..5),
+            vec(any::<u32>(), 0..5),
+            vec(any::<u32>(), 0..5)
+        )
+            .prop_map(|(lights, hidden, crowded)| WireBody::Leaf {
+                lights,
+                hidden,
+                crowded
+            })
     ];
     (any::<u64>(), any::<u64>(), body).prop_map(|(key, version, body)| WireCell {
         key,

@@ -1,0 +1,157 @@
+use glam::Vec3;
+use lie_accel::{PACKET, RayPacket};
+use lie_geom::{RandomKey, Ray, sampling};
+use lie_octree::{GROUP, LieTree, Observation, Observer, ShadowRay, Visibility};
+use lie_render::{Brdf, LightPoints, LightRay, World};
+use lie_scene::Surface;
+
+use super::neighbours::Neighbours;
+use super::view::{Square, ViewProgress};
+
+const _: () = assert!(GROUP == PACKET, "construction's groups of rays are packets");
+
+/// A pixel's surface point.
+struct Point {
+    surface: Surface,
+    brdf: Brdf,
+    key: RandomKey,
+}
+
+impl Point {
+    fn light_points(&self, strata: (u32, u32)) -> LightPoints<'_> {
+        LightPoints {
+            surface: &self.surface,
+            brdf: &self.brdf,
+            key: self.key,
+            strata,
+        }
+    }
+}
+
+/// Samples the view once in every pixel of a square: LIE §4.1, but for all rays to a light
+/// that a frame would trace instead of one.
+pub(super) fn observe_square(
+    world: &World,
+    neighbours: &Neighbours,
+    tree: &LieTree,
+    progress: &ViewProgress,
+    square: Square,
+) -> Vec<Observation> {
+    let mut points = visible_points(world, progress, square);
+    points.sort_by_cached_key(|point| tree.key_at(point.surface.position));
+    let positions: Vec<Vec3> = points.iter().map(|point| point.surface.position).collect();
+    let strata = sampling::strata(world.scene().settings.light_samples);
+    let visibility = VisibilityOf {
+        world,
+        neighbours,
+        points: &points,
+        strata,
+    };
+    let random = progress.random(square);
+    let typical = progress.typical();
+    let mut observer = Observer::new(tree, &positions, typical, random, &visibility);
+    let mut rays = vec![];
+    for light in 0..world.scene().lights.len() as u32 {
+        rays.clear();
+        for (index, point) in (0..).zip(&points) {
+            let light_points = point.light_points(strata);
+            gather_rays(world, light, index, &light_points, &mut rays);
+        }
+        observer.light(light, &rays);
+    }
+    observer.finish()
+}
+
+/// The shadow rays from one point to one light that LIEs answer for.
+fn gather_rays(
+    world: &World,
+    light: u32,
+    point: u32,
+    light_points: &LightPoints<'_>,
+    rays: &mut Vec<ShadowRay>,
+) {
+    let mut exact = None;
+    let before = rays.len();
+    let shadow_ray = |ray: &LightRay| ShadowRay {
+        point,
+        ray: ray.ray,
+        weight: ray.weight(),
+    };
+    world.for_each_light_ray(light, light_points, |ray| {
+        if ray.exact {
+            exact = Some(shadow_ray(&ray));
+        } else {
+            rays.push(shadow_ray(&ray));
+        }
+    });
+    // Exact rays tell something only where there are no others: that the light is there.
+    if rays.len() == before {
+        rays.extend(exact);
+    }
+}
+
+/// What the camera sees in a square's pixels, traced in packets of 4 × 4.
+fn visible_points(world: &World, progress: &ViewProgress, square: Square) -> Vec<Point> {
+    let mut points = vec![];
+    for block in square.blocks() {
+        let mut rays = [Ray::new(Vec3::ZERO, Vec3::X); PACKET];
+        let mut keys = [RandomKey::new(0); PACKET];
+        let mut len = 0;
+        for pixel in block {
+            let (ray, key) = progress.camera_ray(pixel, square.pass);
+            (rays[len], keys[len]) = (ray, key);
+            len += 1;
+        }
+        let hits = world.accel().closest_packet(&RayPacket::new(&rays[..len]));
+        for lane in 0..len {
+            let Some(hit) = &hits[lane] else { continue };
+            let surface = world.scene().surface(&rays[lane], hit);
+            points.push(Point {
+                brdf: Brdf::new(world.scene(), &surface),
+                surface,
+                key: keys[lane],
+            });
+        }
+    }
+    points
+}
+
+/// The scene, as it is seen from some points.
+struct VisibilityOf<'a> {
+    world: &'a World,
+    neighbours: &'a Neighbours,
+    points: &'a [Point],
+    strata: (u32, u32),
+}
+
+impl Visibility for VisibilityOf<'_> {
+    type Rays = (RayPacket, Vec<Ray>);
+
+    fn gather(&self, rays: &[Ray]) -> Self::Rays {
+        (RayPacket::new(rays), rays.to_vec())
+    }
+
+    fn blockers(&self, (packet, _): &Self::Rays) -> [Option<u32>; GROUP] {
+        self.world.accel().blocker_packet(packet)
+    }
+
+    fn blocked_by(&self, triangle: u32, (packet, rays): &Self::Rays) -> u32 {
+        self.world.blocked_by(triangle, packet, rays)
+    }
+
+    fn neighbours(&self, triangle: u32, found: &mut Vec<u32>) {
+        found.extend(self.neighbours.of(&self.world.scene().geometry, triangle));
+    }
+
+    fn aim(&self, point: u32, triangle: u32, light: u32, random: RandomKey) -> Option<Ray> {
+        let point = &self.points[point as usize];
+        let light_points = point.light_points(self.strata);
+        let weights = sampling::square_to_triangle(random.uniform2(0));
+        let triangle = self.world.scene().geometry.triangle(triangle);
+        let place = triangle.a
+            + weights.x * (triangle.b - triangle.a)
+            + weights.y * (triangle.c - triangle.a);
+        let ray = self.world.light_ray_past(light, &light_points, place);
+        ray.filter(|ray| !ray.exact).map(|ray| ray.ray)
+    }
+}

@@ -1,0 +1,204 @@
+use glam::{UVec2, Vec2};
+use lie_geom::{RandomKey, Ray};
+use lie_octree::Observation;
+use lie_scene::Camera;
+
+/// What somebody looks at: samples are taken where it shows the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// From where.
+    pub camera: Camera,
+    /// Columns and rows of the picture.
+    pub size: UVec2,
+}
+
+/// How far one view has come.
+pub(super) struct ViewProgress {
+    pub(super) view: View,
+    key: RandomKey,
+    /// The picture's squares, neighbours close to each other.
+    squares: Vec<UVec2>,
+    /// Squares sampled so far, over all passes.
+    taken: u64,
+    pass: Pass,
+    /// Error and share of trusted light evaluations of the last whole pass.
+    last: Option<(f32, f32)>,
+    typical: f32,
+}
+
+/// A part of one pass over a view: up to 16 × 16 pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Square {
+    /// Its first pixel.
+    origin: UVec2,
+    /// Columns and rows.
+    size: UVec2,
+    pub(super) pass: u64,
+}
+
+impl Square {
+    pub(super) const SIDE: u32 = 16;
+
+    pub(super) fn pixels(&self) -> u64 {
+        u64::from(self.size.x) * u64::from(self.size.y)
+    }
+
+    /// Its pixels, in blocks of up to 4 × 4.
+    pub(super) fn blocks(self) -> impl Iterator<Item = impl Iterator<Item = UVec2>> {
+        let starts = grid(self.size.map(|side| side.div_ceil(4))).map(|block| 4 * block);
+        starts.map(move |start| {
+            let size = (self.size - start).min(UVec2::splat(4));
+            grid(size).map(move |offset| self.origin + start + offset)
+        })
+    }
+}
+
+fn grid(size: UVec2) -> impl Iterator<Item = UVec2> {
+    (0..size.y).flat_map(move |y| (0..size.x).map(move |x| UVec2::new(x, y)))
+}
+
+/// What one pass showed: one sample in every pixel.
+#[derive(Default)]
+struct Pass {
+    pixels: u64,
+    evaluations: u64,
+    trusted: u64,
+    /// For each surface point, the luminance that LIEs answer for: as the tree had it, and
+    /// as it is.
+    luminances: Vec<(f32, f32)>,
+}
+
+impl ViewProgress {
+    pub(super) fn new(view: View, seed: u64) -> Self {
+        let counts = view.size.map(|side| side.div_ceil(Square::SIDE));
+        let mut squares: Vec<UVec2> = grid(counts).collect();
+        squares.sort_by_key(|square| interleaved(square.x) | interleaved(square.y) << 1);
+        Self {
+            view,
+            key: RandomKey::new(seed).mix(CONSTRUCTION),
+            squares,
+            taken: 0,
+            pass: Pass::default(),
+            typical: 0.0,
+            last: None,
+        }
+    }
+
+    /// The next square of the picture.
+    pub(super) fn next_square(&mut self) -> Square {
+        let count = self.squares.len() as u64;
+        let (pass, index) = (self.taken / count, self.taken % count);
+        self.taken += 1;
+        let origin = self.squares[index as usize] * Square::SIDE;
+        Square {
+            origin,
+            size: (self.view.size - origin).min(UVec2::splat(Square::SIDE)),
+            pass,
+        }
+    }
+
+    /// The camera ray of a pixel, and the key of its random numbers. The first pass and every
+    /// other go through the pixels' centres, where a frame with one sample per pixel looks:
+    /// what only a single pixel shows is found as well. The passes between go through random
+    /// places.
+    pub(super) fn camera_ray(&self, pixel: UVec2, pass: u64) -> (Ray, RandomKey) {
+        let key = self
+            .key
+            .mix(pass)
+            .mix(u64::from(pixel.x) | u64::from(pixel.y) << 32);
+        let offset = if pass.is_multiple_of(2) {
+            Vec2::splat(0.5)
+        } else {
+            key.uniform2(0)
+        };
+        let film = pixel.as_vec2() + offset;
+        (self.view.camera.ray(film, self.view.size), key.mix(1))
+    }
+
+    /// What is random of a square but not of its pixels.
+    pub(super) fn random(&self, square: Square) -> RandomKey {
+        let key = self.key.mix(square.pass).mix(u64::MAX);
+        key.mix(u64::from(square.origin.x) | u64::from(square.origin.y) << 32)
+    }
+
+    /// Mean luminance of the last whole pass, or of what there is of the first, without the
+    /// brightest.
+    pub(super) fn typical(&self) -> f32 {
+        self.typical
+    }
+
+    /// Error and share of trusted light evaluations of the last whole pass.
+    pub(super) fn last_pass(&self) -> Option<(f32, f32)> {
+        self.last
+    }
+
+    /// Takes in what a square showed.
+    pub(super) fn count(&mut self, square: Square, observations: &[Observation]) {
+        let pass = &mut self.pass;
+        pass.pixels += square.pixels();
+        for seen in observations {
+            pass.evaluations += u64::from(seen.evaluations);
+            pass.trusted += u64::from(seen.trusted);
+            pass.luminances.push((seen.predicted, seen.actual));
+        }
+        let is_whole = pass.pixels == u64::from(self.view.size.x) * u64::from(self.view.size.y);
+        if is_whole {
+            let pass = std::mem::take(&mut self.pass);
+            self.last = Some((pass.relative_rmse(), pass.trusted_share()));
+            self.typical = pass.mean();
+        } else if self.last.is_none() {
+            self.typical = pass.mean();
+        }
+    }
+}
+
+/// Keeps construction's random numbers apart from the frames'.
+const CONSTRUCTION: u64 = 0x6c69_6573;
+
+/// A number's bits, with a zero between each two.
+fn interleaved(number: u32) -> u64 {
+    (0..32).fold(0, |bits, bit| {
+        bits | u64::from(number >> bit & 1) << (2 * bit)
+    })
+}
+
+impl Pass {
+    /// The luminance that a thousandth of the points exceed. Surfaces centimetres from a
+    /// lamp would outweigh the whole picture: they count as no more than this.
+    fn white(&self) -> f32 {
+        let mut actual: Vec<f32> = self.luminances.iter().map(|&(_, actual)| actual).collect();
+        let rank = actual.len() * 999 / 1000;
+        match actual.get(rank) {
+            Some(_) => *actual.select_nth_unstable_by(rank, f32::total_cmp).1,
+            None => 0.0,
+        }
+    }
+
+    /// Mean over all pixels.
+    fn mean(&self) -> f32 {
+        let white = self.white();
+        let shown = self
+            .luminances
+            .iter()
+            .map(|&(_, actual)| f64::from(actual.min(white)));
+        (shown.sum::<f64>() / self.pixels as f64) as f32
+    }
+
+    fn relative_rmse(&self) -> f32 {
+        let white = self.white();
+        let squared = |&(predicted, actual): &(f32, f32)| {
+            f64::from(predicted.min(white) - actual.min(white)).powi(2)
+        };
+        let sum: f64 = self.luminances.iter().map(squared).sum();
+        let rmse = (sum / self.pixels as f64).sqrt() as f32;
+        if rmse == 0.0 { 0.0 } else { rmse / self.mean() }
+    }
+
+    fn trusted_share(&self) -> f32 {
+        if self.evaluations == 0 {
+            1.0
+        } else {
+            self.trusted as f32 / self.evaluations as f32
+        }
+    }
+}

@@ -1,0 +1,322 @@
+mod aim;
+
+use std::ops::Range;
+
+use glam::Vec3;
+use lie_geom::{RandomKey, Ray};
+
+use crate::{
+    GROUP, Lie, LieTree, LightEvidence, Observation, Occluder, Outcome, ShadowRay, Standing,
+    Visibility,
+};
+
+/// Known occluders that are asked before the scene: the first that were found are those
+/// that block most.
+const ASKED_FIRST: usize = 8;
+
+/// Observes a handful of neighbouring points together, one light after the other.
+///
+/// A list grows only where no known occluder blocks the ray, so it stays short. (The paper
+/// adds whatever obstructing triangle its ray finds; here as there, only triangles that
+/// blocked a ray are in it.) What the points teach is known at once to those that follow in
+/// the same cell, though not to the tree.
+///
+/// Beside what was seen, an observation tells what the tree would have shown: the
+/// difference is an unbiased estimate of the picture's error.
+pub struct Observer<'a, V: Visibility> {
+    world: &'a V,
+    tree: &'a LieTree,
+    trust: u32,
+    typical: f32,
+    /// The cells that the points lie in.
+    cells: Vec<&'a Lie>,
+    /// Each point's cell.
+    places: Vec<u32>,
+    observations: Vec<Observation>,
+    random: RandomKey,
+    scratch: Scratch,
+}
+
+/// Buffers for one light.
+#[derive(Default)]
+struct Scratch {
+    /// New occluders of each cell.
+    found: Vec<Vec<u32>>,
+    /// What became of each ray.
+    fates: Vec<Fate>,
+    /// Rays that no known occluder blocks.
+    open: Vec<u32>,
+    /// New occluders that nothing has been aimed past yet: cell and triangle.
+    fresh: Vec<(usize, u32)>,
+    neighbours: Vec<u32>,
+    /// For each cell the rays that start in it.
+    sources: Vec<Range<usize>>,
+}
+
+/// What became of a ray.
+#[derive(Clone, Copy, Default)]
+struct Fate {
+    blocker: Option<u32>,
+    /// Whether the blocker is in the tree's list.
+    is_listed: bool,
+}
+
+impl<'a, V: Visibility> Observer<'a, V> {
+    /// Starts with these points; those in one cell should follow each other. `typical` is
+    /// the luminance of a typical pixel, below which differences count less; 0 if that is
+    /// not known.
+    pub fn new(
+        tree: &'a LieTree,
+        points: &[Vec3],
+        typical: f32,
+        random: RandomKey,
+        world: &'a V,
+    ) -> Self {
+        let mut cells: Vec<&Lie> = vec![];
+        let place = |&point: &Vec3| {
+            let lie = tree.lie_at(point);
+            let known = cells.iter().rposition(|cell| std::ptr::eq(*cell, lie));
+            known.unwrap_or_else(|| {
+                cells.push(lie);
+                cells.len() - 1
+            }) as u32
+        };
+        let places = points.iter().map(place).collect();
+        Self {
+            world,
+            tree,
+            trust: tree.settings().trust,
+            typical,
+            scratch: Scratch {
+                found: vec![vec![]; cells.len()],
+                sources: vec![0..0; cells.len()],
+                ..Scratch::default()
+            },
+            cells,
+            places,
+            observations: points.iter().map(|&point| Observation::at(point)).collect(),
+            random,
+        }
+    }
+
+    /// Traces the shadow rays to one light, those of one point together and the points in
+    /// their order.
+    pub fn light(&mut self, light: u32, rays: &[ShadowRay]) {
+        self.scratch.found.iter_mut().for_each(Vec::clear);
+        self.scratch.fates.clear();
+        self.scratch.fates.resize(rays.len(), Fate::default());
+        self.scratch.open.clear();
+        self.scratch.sources.fill(0..0);
+        let mut start = 0;
+        while start < rays.len() {
+            let rest = &rays[start..rays.len().min(start + GROUP)];
+            let place = self.place(&rest[0]);
+            let same = rest.iter().take_while(|ray| self.place(ray) == place);
+            let count = same.count();
+            if self.is_past_listing(place, light) {
+                // Shaders ask the scene, and nothing is left to learn.
+                start += count;
+                continue;
+            }
+            self.ask_known(light, start, &rest[..count]);
+            let source = &mut self.scratch.sources[place];
+            *source = if source.end == start && source.start < start {
+                source.start..start + count
+            } else {
+                start..start + count
+            };
+            start += count;
+            while self.scratch.open.len() >= GROUP {
+                self.ask_scene(light, rays);
+            }
+        }
+        while !self.scratch.open.is_empty() {
+            self.ask_scene(light, rays);
+        }
+        self.conclude(light, rays);
+        self.aim_past_new(light, rays);
+    }
+
+    /// The observations, in the order of the points.
+    #[must_use]
+    pub fn finish(mut self) -> Vec<Observation> {
+        for seen in &mut self.observations {
+            let shown = seen.actual + self.typical;
+            for outcome in &mut seen.outcomes {
+                // Black beside black: what would give anything would give all.
+                let share = if shown > 0.0 {
+                    outcome.importance / shown
+                } else {
+                    1.0
+                };
+                outcome.importance = share.clamp(0.0, 1.0);
+            }
+        }
+        self.observations
+    }
+
+    fn place(&self, ray: &ShadowRay) -> usize {
+        self.places[ray.point as usize] as usize
+    }
+
+    /// Asks the occluders that are known to block the light in the rays' cell; what they let
+    /// through is left open. `start` is the first ray's index.
+    fn ask_known(&mut self, light: u32, start: usize, chunk: &[ShadowRay]) {
+        let place = self.place(&chunk[0]);
+        let listed = self.listed(place, light);
+        let gathered = gather(self.world, chunk.iter());
+        let mut open = (1u32 << chunk.len()) - 1;
+        let first = listed.iter().take(ASKED_FIRST);
+        let found = self.scratch.found[place].iter();
+        let known = first
+            .map(|occluder| (occluder.triangle, true))
+            .chain(found.map(|&triangle| (triangle, false)));
+        for (triangle, is_listed) in known {
+            if open == 0 {
+                return;
+            }
+            let blocked = self.world.blocked_by(triangle, &gathered) & open;
+            open &= !blocked;
+            for lane in lanes(blocked) {
+                self.scratch.fates[start + lane] = Fate {
+                    blocker: Some(triangle),
+                    is_listed,
+                };
+            }
+        }
+        let left = lanes(open).map(|lane| (start + lane) as u32);
+        self.scratch.open.extend(left);
+    }
+
+    /// Asks the scene for the last open rays. A new blocker counts only where no known one
+    /// does as well.
+    fn ask_scene(&mut self, light: u32, rays: &[ShadowRay]) {
+        let rest = self.scratch.open.len().saturating_sub(GROUP);
+        let indices = self.scratch.open.split_off(rest);
+        let chosen = indices.iter().map(|&index| &rays[index as usize]);
+        let gathered = gather(self.world, chosen);
+        let blockers = self.world.blockers(&gathered);
+        for (&index, blocker) in indices.iter().zip(blockers) {
+            let Some(blocker) = blocker else { continue };
+            let ray = &rays[index as usize];
+            self.scratch.fates[index as usize] = self.credit(light, ray, blocker);
+        }
+    }
+
+    /// Which triangle a blocked ray is put down to: the one that the scene named, unless one
+    /// that was known, or has just been found, blocks it as well.
+    fn credit(&mut self, light: u32, ray: &ShadowRay, blocker: u32) -> Fate {
+        let place = self.place(ray);
+        let listed = self.listed(place, light);
+        let fate = |triangle, is_listed| Fate {
+            blocker: Some(triangle),
+            is_listed,
+        };
+        if listed.iter().any(|occluder| occluder.triangle == blocker) {
+            return fate(blocker, true);
+        }
+        let alone = self.world.gather(&[ray.ray]);
+        let blocks = |triangle: u32| self.world.blocked_by(triangle, &alone) != 0;
+        let rest = listed.iter().skip(ASKED_FIRST);
+        if let Some(known) = rest
+            .map(|known| known.triangle)
+            .find(|&known| blocks(known))
+        {
+            return fate(known, true);
+        }
+        let found = &mut self.scratch.found[place];
+        if let Some(&known) = found.iter().find(|&&known| blocks(known)) {
+            return fate(known, false);
+        }
+        found.push(blocker);
+        self.scratch.fresh.push((place, blocker));
+        fate(blocker, false)
+    }
+
+    fn is_past_listing(&self, place: usize, light: u32) -> bool {
+        let evidence = self.cells[place].evidence(light);
+        evidence.is_some_and(LightEvidence::is_past_listing)
+    }
+
+    /// What the tree has in the way of a light.
+    fn listed(&self, place: usize, light: u32) -> &'a [Occluder] {
+        let evidence = self.cells[place].evidence(light);
+        evidence.map_or(&[], |evidence| &evidence.occluders)
+    }
+
+    /// Adds what became of the rays to the points' observations.
+    fn conclude(&mut self, light: u32, rays: &[ShadowRay]) {
+        let mut start = 0;
+        for group in rays.chunk_by(|a, b| a.point == b.point) {
+            let fates = &self.scratch.fates[start..start + group.len()];
+            start += group.len();
+            let place = self.places[group[0].point as usize] as usize;
+            let standing = self.cells[place].standing(light, self.trust);
+            let seen = &mut self.observations[group[0].point as usize];
+            seen.evaluations += 1;
+            seen.trusted += u32::from(standing != Standing::Doubtful);
+            let mut weight = 0.0;
+            for (ray, fate) in group.iter().zip(fates) {
+                let shown = match standing {
+                    Standing::Lit(_) => !fate.is_listed,
+                    Standing::Hidden => false,
+                    // The shader asks the scene, and is right.
+                    Standing::Doubtful | Standing::Crowded => fate.blocker.is_none(),
+                };
+                weight += ray.weight;
+                seen.predicted += if shown { ray.weight } else { 0.0 };
+                seen.actual += if fate.blocker.is_none() {
+                    ray.weight
+                } else {
+                    0.0
+                };
+            }
+            if !self.cells[place]
+                .evidence(light)
+                .is_some_and(LightEvidence::is_past_listing)
+            {
+                count(&mut seen.outcomes, light, fates, weight);
+            }
+        }
+    }
+}
+
+/// Adds one outcome for each different fate.
+fn count(outcomes: &mut Vec<Outcome>, light: u32, fates: &[Fate], importance: f32) {
+    let first = outcomes.len();
+    for fate in fates {
+        let same = outcomes[first..]
+            .iter_mut()
+            .find(|outcome| outcome.blocker == fate.blocker);
+        match same {
+            Some(outcome) => outcome.rays += 1,
+            None => outcomes.push(Outcome {
+                light,
+                blocker: fate.blocker,
+                rays: 1,
+                importance,
+            }),
+        }
+    }
+}
+
+fn gather<'r, V: Visibility>(world: &V, rays: impl Iterator<Item = &'r ShadowRay>) -> V::Rays {
+    let mut group = [Ray::new(Vec3::ZERO, Vec3::X); GROUP];
+    let mut len = 0;
+    for (place, shadow_ray) in group.iter_mut().zip(rays) {
+        *place = shadow_ray.ray;
+        len += 1;
+    }
+    world.gather(&group[..len])
+}
+
+/// Indices of the bits that are set.
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros();
+        (mask != 0).then(|| {
+            mask &= mask - 1;
+            lane as usize
+        })
+    })
+}
