@@ -1,6 +1,6 @@
 //! From triangles to a wide tree: obvhs builds a binary one, and this collapses it.
 
-use glam::Vec3A;
+use glam::{Vec3, Vec3A};
 use lie_geom::{Aabb, Triangle};
 use obvhs::{
     BvhBuildParams,
@@ -130,11 +130,16 @@ impl Collapse<'_> {
     }
 }
 
+/// A node's box, one step larger on every side: a ray that runs within a face would else be
+/// neither in the box nor out of it, since no distance there times no bound is no bound.
 fn bounds_of(binary: &Bvh2, node: usize) -> Aabb {
+    /// Times the largest inverse of a direction, far beyond any scene.
+    const STEP: f32 = 1.0e-18;
     let bounds = binary.nodes[node].aabb();
+    let (min, max): (Vec3, Vec3) = (bounds.min.into(), bounds.max.into());
     Aabb {
-        min: bounds.min.into(),
-        max: bounds.max.into(),
+        min: min.map(|face| (face - STEP).min(face.next_down())),
+        max: max.map(|face| (face + STEP).max(face.next_up())),
     }
 }
 

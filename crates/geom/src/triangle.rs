@@ -142,12 +142,14 @@ pub fn intersect_lane(
     // A ray in the triangle's plane divides by zero: t is infinite or undefined, and the
     // comparisons reject both.
     let t = dot(v0, normal) / dot(normal, direction);
-    let hit = (front | back) & (t > t_min) & (t < t_max);
+    let sum = weight_a + weight_b + weight_c;
+    // Rounding can give such a ray a finite t, but all weights are zero then.
+    let hit = (front | back) & (sum != 0.0) & (t > t_min) & (t < t_max);
     LaneHit {
         t: if hit { t } else { f32::INFINITY },
         weight_b,
         weight_c,
-        sum: weight_a + weight_b + weight_c,
+        sum,
     }
 }
 

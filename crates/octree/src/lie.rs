@@ -218,7 +218,7 @@ impl Lie {
 
 impl LightEvidence {
     /// Rays from a cell after which what it inherited and they did not confirm is dropped.
-    const SETTLED: u32 = 64;
+    const SETTLED: u32 = 256;
 
     fn new(light: u32) -> Self {
         Self {

@@ -226,3 +226,48 @@ fn a_packet_asks_one_triangle_as_its_rays_would() {
         }
     }
 }
+
+#[test]
+fn a_ray_within_a_face_of_the_bounds_misses_nothing() {
+    // A room's walls lie in the faces of its bounds, and so do rays along them.
+    let side = |axis: usize, at: f32| {
+        let corner = |u: f32, v: f32| {
+            let mut point = Vec3::splat(at);
+            point[(axis + 1) % 3] = u;
+            point[(axis + 2) % 3] = v;
+            point
+        };
+        let quad = [
+            corner(0.0, 0.0),
+            corner(2.75, 0.0),
+            corner(2.75, 2.75),
+            corner(0.0, 2.75),
+        ];
+        [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]
+    };
+    let walls = (0..3).flat_map(|axis| [0.0, 2.75].map(|at| side(axis, at)));
+    let geometry = geometry(&walls.flatten().flatten().collect::<Vec<_>>());
+    let bvh = Bvh::build(&geometry, None);
+    for axis in 0..3 {
+        for (a, b) in [
+            (0.0, 1.0),
+            (2.75, 1.0),
+            (1.0, 0.0),
+            (1.0, 2.75),
+            (0.0, 2.75),
+        ] {
+            let mut origin = Vec3::splat(1.1);
+            origin[(axis + 1) % 3] = a;
+            origin[(axis + 2) % 3] = b;
+            for direction in [Vec3::AXES[axis], -Vec3::AXES[axis]] {
+                let ray = Ray::new(origin, direction);
+                let expected = brute_force(&geometry, &ray, None);
+                assert!(expected.is_some());
+                assert_eq!(bvh.closest(&ray), expected, "{ray:?}");
+                let packet = RayPacket::new(&[ray]);
+                assert_eq!(bvh.closest_packet(&packet)[0], expected, "{ray:?}");
+                assert_eq!(bvh.blocked_packet(&packet), 1, "{ray:?}");
+            }
+        }
+    }
+}
