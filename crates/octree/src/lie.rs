@@ -60,7 +60,7 @@ pub enum Standing<'a> {
 
 /// Of rays from one point that all met the same, at most so many count: the next point is
 /// worth more than the next ray.
-const PER_SAMPLE: u32 = 4;
+const PER_SAMPLE: u32 = 2;
 
 impl Lie {
     /// A cell that was never sampled.
