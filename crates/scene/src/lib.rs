@@ -38,7 +38,7 @@ mod walkthrough;
 
 pub use camera::Camera;
 pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
-pub use generate::{Gallery, cornell_box, gallery};
+pub use generate::{Gallery, Mosque, cornell_box, gallery, mosque};
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
 pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};
