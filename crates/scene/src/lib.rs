@@ -38,7 +38,7 @@ mod walkthrough;
 
 pub use camera::Camera;
 pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
-pub use generate::{Gallery, Mosque, cornell_box, gallery, mosque};
+pub use generate::{Gallery, Mosque, ScienceCenter, cornell_box, gallery, mosque, science_center};
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
 pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};

@@ -3,11 +3,7 @@
 use glam::Vec3;
 
 use super::{
-    ARCADE_TOP, BAY, BAYS, Site, arcade_x,
-    arch::Arch,
-    capital,
-    column::SHAFT_TOP,
-    place, slab,
+    ARCADE_TOP, BAY, BAYS, Site, arcade_x, arch::Arch, capital, column::SHAFT_TOP, place, slab,
 };
 use crate::generate::mesh::Mesh;
 
@@ -54,7 +50,11 @@ impl Site {
                 let mut mesh = Mesh::default();
                 place(&mut mesh, &base, foot);
                 place(&mut mesh, &capitals[pick(3, 3)], foot + capital_y);
-                self.part(format!("{name} base and capital"), self.palette.marble, mesh);
+                self.part(
+                    format!("{name} base and capital"),
+                    self.palette.marble,
+                    mesh,
+                );
             }
             self.add_piers(&format!("arcade {row}"), x);
             self.add_arches(&format!("arcade {row}"), x);
@@ -68,7 +68,12 @@ impl Site {
         for index in 0..=BAYS {
             let foot = Vec3::new(x, 0.0, -BAY * index as f32);
             let low = SHAFT_TOP + capital::HEIGHT;
-            flare(&mut mesh, foot, [[0.31, 0.31], [0.37, 0.42]], [low, IMPOST - 0.09]);
+            flare(
+                &mut mesh,
+                foot,
+                [[0.31, 0.31], [0.37, 0.42]],
+                [low, IMPOST - 0.09],
+            );
             slab(&mut mesh, foot, [0.38, 0.52], [IMPOST - 0.09, IMPOST]);
             slab(&mut mesh, foot, [0.31, 0.22], [IMPOST, PIER_TOP - 0.55]);
             flare(
@@ -78,23 +83,37 @@ impl Site {
                 [PIER_TOP - 0.55, PIER_TOP - 0.1],
             );
             slab(&mut mesh, foot, [0.37, 0.395], [PIER_TOP - 0.1, PIER_TOP]);
-            slab(&mut pilasters, foot, [0.37, 0.13], [PIER_TOP, ARCADE_TOP - 0.01]);
+            slab(
+                &mut pilasters,
+                foot,
+                [0.37, 0.13],
+                [PIER_TOP, ARCADE_TOP - 0.01],
+            );
         }
         // Into the end walls.
         for (index, sign) in [(0, 1.0), (BAYS, -1.0)] {
             let z = -BAY * index as f32 + sign * 0.3;
             let middle = Vec3::new(x, 0.0, z);
             slab(&mut mesh, middle, [0.305, 0.1], [IMPOST, PIER_TOP]);
-            slab(&mut mesh, middle, [0.305, 0.31], [PIER_TOP, ARCADE_TOP - 0.01]);
+            slab(
+                &mut mesh,
+                middle,
+                [0.305, 0.31],
+                [PIER_TOP, ARCADE_TOP - 0.01],
+            );
         }
         self.part(format!("{name} piers"), self.palette.limestone, mesh);
-        self.part(format!("{name} pilasters"), self.palette.limestone, pilasters);
+        self.part(
+            format!("{name} pilasters"),
+            self.palette.limestone,
+            pilasters,
+        );
     }
 
     fn add_arches(&mut self, name: &str, x: f32) {
         let steps = self.steps(2);
         let (lower, upper) = (LOWER.stones(steps), UPPER.stones(steps));
-        let wall = UPPER.spandrel(0.5 * BAY, ARCADE_TOP, 0.3, 1.42, self.fine(28));
+        let wall = UPPER.spandrel(0.5 * BAY, ARCADE_TOP, 0.3, 1.42, self.fine(20));
         let mut meshes = [Mesh::default(), Mesh::default()];
         let mut walls = Mesh::default();
         for bay in 0..BAYS {
@@ -106,7 +125,11 @@ impl Site {
             place(&mut walls, &wall, middle);
         }
         let [light, red] = meshes;
-        self.part(format!("{name} light stones"), self.palette.limestone, light);
+        self.part(
+            format!("{name} light stones"),
+            self.palette.limestone,
+            light,
+        );
         self.part(format!("{name} red stones"), self.palette.brick, red);
         self.part(format!("{name} wall"), self.palette.plaster, walls);
     }

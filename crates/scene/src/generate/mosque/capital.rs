@@ -31,17 +31,17 @@ const CARVINGS: [Carving; 3] = [
     Carving {
         leaves: 8.0,
         lobes: 0.22,
-        curl_m: 0.062,
+        curl_m: 0.075,
     },
     Carving {
         leaves: 8.0,
         lobes: 0.0,
-        curl_m: 0.075,
+        curl_m: 0.085,
     },
     Carving {
         leaves: 12.0,
         lobes: 0.15,
-        curl_m: 0.05,
+        curl_m: 0.06,
     },
 ];
 
@@ -73,7 +73,7 @@ impl Site {
                 Vec2::new(0.034 * cos, 0.014 * sin)
             })
             .collect();
-        let mut mesh = sweep(&ribbon, self.fine(14), |t, p| {
+        let mut mesh = sweep(&ribbon, self.fine(12), |t, p| {
             let angle = FRAC_PI_2 + t * TURNS * TAU;
             let radius = 0.068 - 0.05 * t + p.y * (1.0 - 0.5 * t);
             let (sin, cos) = angle.sin_cos();
@@ -127,8 +127,11 @@ impl Site {
 /// The bell's surface: `u` goes round, `v` up.
 fn bell(carving: Carving, u: f32, v: f32) -> Vec3 {
     let flare = 0.012 + 0.085 * v.max(0.0).powi(3);
-    let relief = leaf(carving, u * carving.leaves, (v - 0.03) / 0.44)
-        .max(leaf(carving, u * carving.leaves + 0.5, (v - 0.26) / 0.5));
+    let relief = leaf(carving, u * carving.leaves, (v - 0.03) / 0.44).max(leaf(
+        carving,
+        u * carving.leaves + 0.5,
+        (v - 0.26) / 0.5,
+    ));
     let radius = NECK + flare + relief;
     let (sin, cos) = (u * TAU).sin_cos();
     Vec3::new(radius * cos, BELL * v, -radius * sin)

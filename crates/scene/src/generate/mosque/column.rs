@@ -38,7 +38,7 @@ impl Site {
     /// The three kinds of shaft: plain with a swelling, with straight flutes, with flutes that
     /// wind.
     pub(super) fn shafts(&self) -> [Mesh; 3] {
-        let plain = self.shaft([32, 8], |_, _| 0.0);
+        let plain = self.shaft([28, 6], |_, _| 0.0);
         let flute = |angle: f32| 0.012 * (1.0 - (0.5 * angle).sin().abs()).powi(2);
         let straight = self.shaft([72, 4], |turn, _| -flute(18.0 * turn));
         let winding = self.shaft([72, 14], |turn, v| -flute(12.0 * turn + 9.0 * v));

@@ -35,11 +35,10 @@ impl Site {
 
     fn add_side_walls(&mut self) {
         let length = FRONT_WALL - MIHRAB_WALL;
-        let (mut walls, mut dado, mut trim) =
-            (Mesh::default(), Mesh::default(), Mesh::default());
+        let (mut walls, mut dado, mut trim) = (Mesh::default(), Mesh::default(), Mesh::default());
         for sign in [-1.0, 1.0] {
             let x = sign * SIDE_WALL;
-            let mut strip = |mesh: &mut Mesh, depth: f32, up: [f32; 2]| {
+            let strip = |mesh: &mut Mesh, depth: f32, up: [f32; 2]| {
                 let (near, far) = (x - sign * depth, x + sign * REACH);
                 mesh.cuboid(
                     Vec3::new(near.min(far), up[0], MIHRAB_WALL),
@@ -95,7 +94,10 @@ impl Site {
         for index in 0..COUNT {
             let z = MIHRAB_WALL + length * (index as f32 + 0.5) / COUNT as f32;
             let mut piece = |x: [f32; 2], up: [f32; 2], half: f32| {
-                beams.cuboid(Vec3::new(x[0], up[0], z - half), Vec3::new(x[1], up[1], z + half));
+                beams.cuboid(
+                    Vec3::new(x[0], up[0], z - half),
+                    Vec3::new(x[1], up[1], z + half),
+                );
             };
             let top = CEILING + 0.02;
             piece(span, [CEILING - 0.28, top], 0.11);

@@ -88,15 +88,29 @@ impl Site {
     fn crown(&self, crown: &Crown, height: f32) -> [Mesh; 2] {
         let ring_y = -0.16;
         let mut metal = Mesh::default();
-        let counts = [self.fine(32), self.fine(6)];
-        place(&mut metal, &torus(crown.radius, crown.tube, counts), ring_y * Vec3::Y);
+        let counts = [self.fine(24), self.fine(5)];
+        place(
+            &mut metal,
+            &torus(crown.radius, crown.tube, counts),
+            ring_y * Vec3::Y,
+        );
         let apex = crown.apex * Vec3::Y;
         for chain in 0..crown.chains {
             let turn = chain as f32 / crown.chains as f32 * TAU;
             let foot = Vec3::new(crown.radius * turn.cos(), ring_y, crown.radius * turn.sin());
-            place(&mut metal, &rod(foot, apex, 0.35 * crown.tube, 5), Vec3::ZERO);
+            place(
+                &mut metal,
+                &rod(foot, apex, 0.35 * crown.tube, 5),
+                Vec3::ZERO,
+            );
         }
-        let boss = [[0.012, -0.08], [0.05, -0.03], [0.065, 0.0], [0.03, 0.05], [0.01, 0.12]];
+        let boss = [
+            [0.012, -0.08],
+            [0.05, -0.03],
+            [0.065, 0.0],
+            [0.03, 0.05],
+            [0.01, 0.12],
+        ];
         let boss = lathe(&boss.map(Vec2::from), self.fine(12));
         place(&mut metal, &boss, apex);
         let roof = (CEILING - height) * Vec3::Y;
@@ -112,7 +126,7 @@ impl Site {
             [0.030, -0.09],
             [0.0, -0.13],
         ];
-        let cup = lathe(&cup.map(Vec2::from), self.fine(8));
+        let cup = lathe(&cup.map(Vec2::from), self.fine(6));
         let mut glass = Mesh::default();
         for index in 0..crown.cups {
             let turn = Quat::from_rotation_y((index as f32 + 0.5) / crown.cups as f32 * TAU);

@@ -75,7 +75,11 @@ impl Site {
                 [sign * half, FRAME_TOP, 0.0],
             );
         }
-        front.block(&mut wall, [-half, FRAME_TOP, -0.2], [half, CEILING + 0.2, 0.0]);
+        front.block(
+            &mut wall,
+            [-half, FRAME_TOP, -0.2],
+            [half, CEILING + 0.2, 0.0],
+        );
         self.part("mihrab wall", self.palette.plaster, wall);
     }
 
@@ -123,7 +127,11 @@ impl Site {
         let foot = ARCH.center - ARCH.inner * ARCH.below.sin();
         for sign in [-1.0, 1.0] {
             let upright = |mesh: &mut Mesh, x: [f32; 2], up: [f32; 2], depth: f32| {
-                front.block(mesh, [sign * x[0], up[0], -0.05], [sign * x[1], up[1], depth]);
+                front.block(
+                    mesh,
+                    [sign * x[0], up[0], -0.05],
+                    [sign * x[1], up[1], depth],
+                );
             };
             upright(&mut marble, [1.06, 1.36], [0.0, foot - 0.12], 0.11);
             upright(&mut marble, [0.99, 1.42], [foot - 0.12, foot], 0.15);
@@ -197,8 +205,16 @@ impl Site {
             }
             here.block(&mut fields, [-0.30, 5.68, -0.05], [0.30, 6.75, 0.015]);
             for sign in [-1.0, 1.0] {
-                here.block(&mut posts, [sign * 0.23, 5.62, -0.05], [sign * 0.31, 6.4, 0.06]);
-                here.block(&mut posts, [sign * 0.20, 6.4, -0.05], [sign * 0.345, 6.47, 0.1]);
+                here.block(
+                    &mut posts,
+                    [sign * 0.23, 5.62, -0.05],
+                    [sign * 0.31, 6.4, 0.06],
+                );
+                here.block(
+                    &mut posts,
+                    [sign * 0.20, 6.4, -0.05],
+                    [sign * 0.345, 6.47, 0.1],
+                );
             }
         }
         front.block(&mut posts, [-2.4, 5.56, -0.05], [2.4, 5.62, 0.12]);

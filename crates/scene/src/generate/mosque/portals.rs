@@ -68,8 +68,15 @@ impl Site {
         let ends = [true, false];
         for (index, x) in side_aisle_x().enumerate() {
             for at_mihrab in ends {
-                let name = format!("portal {index} {}", if at_mihrab { "south" } else { "north" });
-                self.add_portal(&name, Front::new(x, at_mihrab), !at_mihrab && index % 2 == 0);
+                let name = format!(
+                    "portal {index} {}",
+                    if at_mihrab { "south" } else { "north" }
+                );
+                self.add_portal(
+                    &name,
+                    Front::new(x, at_mihrab),
+                    !at_mihrab && index % 2 == 0,
+                );
             }
         }
         self.add_portal("main portal", Front::new(0.0, false), true);
@@ -99,15 +106,27 @@ impl Site {
         let foot = ARCH.center - ARCH.inner * ARCH.below.sin();
         let mut marble = Mesh::default();
         for sign in [-1.0, 1.0] {
-            front.block(&mut marble, [sign * 0.98, 0.0, -0.05], [sign * 1.36, foot - 0.1, 0.12]);
+            front.block(
+                &mut marble,
+                [sign * 0.98, 0.0, -0.05],
+                [sign * 1.36, foot - 0.1, 0.12],
+            );
             front.block(
                 &mut marble,
                 [sign * 0.92, foot - 0.1, -0.05],
                 [sign * 1.42, foot, 0.16],
             );
-            front.block(&mut marble, [sign * 1.62, 0.0, -0.05], [sign * 1.74, 4.52, 0.09]);
+            front.block(
+                &mut marble,
+                [sign * 1.62, 0.0, -0.05],
+                [sign * 1.74, 4.52, 0.09],
+            );
             // The dado beside it, as far as the columns.
-            front.block(&mut marble, [sign * 1.74, 0.0, -0.05], [sign * 1.92, 1.15, 0.03]);
+            front.block(
+                &mut marble,
+                [sign * 1.74, 0.0, -0.05],
+                [sign * 1.92, 1.15, 0.03],
+            );
         }
         front.block(&mut marble, [-1.74, 4.52, -0.05], [1.74, 4.66, 0.09]);
         front.block(&mut marble, [-1.82, 4.66, -0.05], [1.82, 4.72, 0.13]);
@@ -135,10 +154,18 @@ impl Site {
     fn add_door(&mut self, name: &str, front: Front, foot: f32) {
         let mut door = Mesh::default();
         for sign in [-1.0, 1.0] {
-            front.block(&mut door, [sign * 0.01, 0.02, -0.05], [sign * 0.98, foot, 0.05]);
+            front.block(
+                &mut door,
+                [sign * 0.01, 0.02, -0.05],
+                [sign * 0.98, foot, 0.05],
+            );
             for row in 0..4 {
                 let low = 0.14 + row as f32 * 0.55;
-                front.block(&mut door, [sign * 0.12, low, 0.0], [sign * 0.87, low + 0.43, 0.075]);
+                front.block(
+                    &mut door,
+                    [sign * 0.12, low, 0.0],
+                    [sign * 0.87, low + 0.43, 0.075],
+                );
                 front.block(
                     &mut door,
                     [sign * 0.24, low + 0.1, 0.0],
@@ -168,7 +195,11 @@ impl Site {
         let (low, high) = (middle - 0.75, middle + 0.75);
         let mut frame = Mesh::default();
         for sign in [-1.0, 1.0] {
-            front.block(&mut frame, [sign * 0.75, low, -0.05], [sign * 0.9, high, 0.08]);
+            front.block(
+                &mut frame,
+                [sign * 0.75, low, -0.05],
+                [sign * 0.9, high, 0.08],
+            );
         }
         front.block(&mut frame, [-0.98, low - 0.15, -0.05], [0.98, low, 0.10]);
         front.block(&mut frame, [-0.98, high, -0.05], [0.98, high + 0.15, 0.10]);
@@ -189,7 +220,11 @@ fn bars(mesh: &mut Mesh, front: Front, x: [f32; 2], y: [f32; 2], count: u32) {
     let rows = ((y[1] - y[0]) / (x[1] - x[0]) * count as f32).round() as u32;
     for column in 1..count {
         let middle = at(x, column, count);
-        front.block(mesh, [middle - 0.022, y[0], -0.04], [middle + 0.022, y[1], 0.05]);
+        front.block(
+            mesh,
+            [middle - 0.022, y[0], -0.04],
+            [middle + 0.022, y[1], 0.05],
+        );
         for row in 1..rows {
             let height = at(y, row, rows);
             let mut boss = Mesh::default();
@@ -205,6 +240,10 @@ fn bars(mesh: &mut Mesh, front: Front, x: [f32; 2], y: [f32; 2], count: u32) {
     }
     for row in 1..rows {
         let height = at(y, row, rows);
-        front.block(mesh, [x[0], height - 0.022, -0.04], [x[1], height + 0.022, 0.045]);
+        front.block(
+            mesh,
+            [x[0], height - 0.022, -0.04],
+            [x[1], height + 0.022, 0.045],
+        );
     }
 }
