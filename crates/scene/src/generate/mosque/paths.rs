@@ -13,7 +13,7 @@ impl Site {
         for (name, eye, target, degrees) in [
             ("forest", [-14.0, EYE, -1.3], [1.5, 3.1, -19.0], 62.0f32),
             ("nave", [0.85, EYE, -3.4], [-0.25, 3.0, -32.0], 60.0),
-            ("capital", [-4.6, 2.05, -10.9], [-2.75, 3.35, -9.3], 58.0),
+            ("capital", [-4.15, 2.35, -10.75], [-2.72, 3.32, -9.25], 60.0),
         ] {
             self.draft.cameras.push(Camera::look_at(
                 name,
