@@ -6,8 +6,8 @@
 //! rest. A cone's angles are measured from its axis. All geometry is in world space:
 //! loaders apply every transform.
 //!
-//! [`Scene`] is the whole; [`load`] reads one from a file, [`gallery`] and [`cornell_box`]
-//! make one by rule, [`export_glb`] and [`export_obj`] write one, and [`Summary`] says what
+//! [`Scene`] is the whole; [`load`] reads one from a file; [`cornell_box`], [`gallery`],
+//! [`mosque`] and [`science_center`] make one by rule; [`export_glb`] and [`export_obj`] write one, and [`Summary`] says what
 //! is in it.
 //!
 //! ```

@@ -24,7 +24,7 @@ impl Site {
         let center = foot + 1.55 * Vec3::Y;
         let tilt = Quat::from_rotation_z(-0.41);
         let mut mesh = Mesh::default();
-        let mut ball = sphere(0.85, self.fine(16));
+        let mut ball = sphere(0.85, self.fine(14));
         for vertex in &mut ball.vertices {
             // The lathe's v is a height; the map's runs from pole to pole.
             vertex.uv.y = 0.5 - 0.5 * vertex.uv.y / 0.85;

@@ -13,7 +13,7 @@ use crate::generate::mesh::Mesh;
 /// Height of the handrail's underside above the floor.
 const HEIGHT: f32 = 1.02;
 /// Largest way between two balusters.
-const SPACING: f32 = 0.88;
+const SPACING: f32 = 0.95;
 /// How far a railing stands back from the floor's edge.
 const INSET: f32 = 0.08;
 

@@ -118,7 +118,8 @@ impl Site {
             flight.steps(&mut steps);
             flight.cheeks(&mut cheeks);
         }
-        let reach = WIDE_HALF + CHEEK;
+        // A little wider than the cheeks: two faces in one plane would fight.
+        let reach = WIDE_HALF + CHEEK + 0.015;
         let (front, back) = (wide[1].foot.z + 1.4, wide[1].foot.z);
         let level = wide[1].foot.y;
         cuboid(
