@@ -40,6 +40,7 @@ impl Arch {
         meshes
     }
 
+    /// One stone; with a single step it keeps its edges, else they are taken off.
     fn stone(&self, index: u32, recess: f32, steps: u32) -> Mesh {
         const CHAMFER: f32 = 0.018;
         let (half, inner, outer) = (
@@ -47,18 +48,18 @@ impl Arch {
             self.inner + recess,
             self.outer - recess,
         );
-        // Octagonal: radius against depth, with the edges taken off.
-        let profile = [
-            (half, inner + CHAMFER),
-            (half, outer - CHAMFER),
-            (half - CHAMFER, outer),
-            (CHAMFER - half, outer),
-            (-half, outer - CHAMFER),
-            (-half, inner + CHAMFER),
-            (CHAMFER - half, inner),
-            (half - CHAMFER, inner),
-        ]
-        .map(|(depth, radius)| Vec2::new(-depth, radius));
+        // Radius against depth.
+        let mut profile = Vec::with_capacity(8);
+        for (depth, radius) in [(1.0, inner), (1.0, outer), (-1.0, outer), (-1.0, inner)] {
+            let inwards = if radius == inner { CHAMFER } else { -CHAMFER };
+            let on_face = Vec2::new(-depth * half, radius + inwards);
+            let on_ring = Vec2::new(-depth * (half - CHAMFER), radius);
+            match (steps, (depth > 0.0) == (radius == outer)) {
+                (1, _) => profile.push(Vec2::new(-depth * half, radius)),
+                (_, true) => profile.extend([on_face, on_ring]),
+                (_, false) => profile.extend([on_ring, on_face]),
+            }
+        }
         let span = (PI + 2.0 * self.below) / self.stones as f32;
         let start = index as f32 * span - self.below;
         sweep(&profile, steps, |t, p| {

@@ -247,14 +247,10 @@ fn board_texture(key: RandomKey) -> Texture {
         let (square, diamond) = star(4.0 * u % 1.0, 4.0 * v % 1.0);
         let color = if square > 0.47 {
             Vec3::new(0.05, 0.03, 0.02)
-        } else if square > 0.42 {
-            OCHRE
-        } else if diamond < 0.12 {
+        } else if square > 0.42 || diamond < 0.12 || (0.28..0.31).contains(&diamond) {
             OCHRE
         } else if diamond < 0.28 {
             RUST
-        } else if diamond < 0.31 {
-            OCHRE
         } else {
             MOSS
         };
