@@ -79,7 +79,7 @@ fn total_power(info: &Value) -> f64 {
 #[test]
 fn an_exported_glb_is_the_same_scene() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["cornell", "gallery"] {
+    for name in ["cornell", "gallery", "science-center"] {
         let glb = folder.path().join(format!("{name}.glb"));
         let said = export(&scene(name), &glb);
         assert!(said.contains(&glb.display().to_string()), "{said}");

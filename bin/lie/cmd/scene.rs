@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, Subcommand, ValueEnum};
-use lie_scene::{Gallery, Scene, Summary};
+use lie_scene::{Gallery, Mosque, Scene, ScienceCenter, Summary};
 use serde_json::{Value, json};
 
 use crate::{
@@ -46,11 +46,11 @@ pub(crate) struct Generate {
     generator: Generator,
     /// Where to write it; the ending, .glb or .obj, is the format.
     out: PathBuf,
-    /// What the gallery's paintings and grain start from.
+    /// What random choices start from: paintings, stones, grain. Not for the Cornell box.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// How finely the gallery's round things are divided, above 0 and at most 4; 1 is the
-    /// usual.
+    /// How finely round things are divided, above 0 and at most 4; 1 is the usual. Not for the
+    /// Cornell box.
     #[arg(long, value_name = "FACTOR")]
     detail: Option<f32>,
 }
@@ -62,6 +62,10 @@ enum Generator {
     CornellBox,
     /// A museum of five rooms under some fifty lights.
     Gallery,
+    /// A hall of columns under a hundred points of light; a million triangles.
+    Mosque,
+    /// An atrium under one glass roof, the only light; some thousand triangles.
+    ScienceCenter,
 }
 
 pub(crate) fn execute(command: &SceneCommand) -> anyhow::Result<()> {
@@ -125,24 +129,21 @@ fn figures(summary: &Summary) -> Value {
 }
 
 fn make(generate: &Generate) -> Result<Scene, Usage> {
+    let detail = generate.detail.unwrap_or(1.0);
+    if !(detail > 0.0 && detail <= 4.0) {
+        return Err(usage(format!(
+            "--detail {detail}: expected a number above 0 and at most 4"
+        )));
+    }
+    let seed = generate.seed.unwrap_or(1);
     match generate.generator {
         Generator::CornellBox if generate.seed.is_some() || generate.detail.is_some() => Err(
             usage("the Cornell box is always the same: it takes no --seed and no --detail"),
         ),
         Generator::CornellBox => Ok(lie_scene::cornell_box()),
-        Generator::Gallery => {
-            let usual = Gallery::default();
-            let detail = generate.detail.unwrap_or(usual.detail);
-            if !(detail > 0.0 && detail <= 4.0) {
-                return Err(usage(format!(
-                    "--detail {detail}: expected a number above 0 and at most 4"
-                )));
-            }
-            Ok(lie_scene::gallery(&Gallery {
-                seed: generate.seed.unwrap_or(usual.seed),
-                detail,
-            }))
-        }
+        Generator::Gallery => Ok(lie_scene::gallery(&Gallery { seed, detail })),
+        Generator::Mosque => Ok(lie_scene::mosque(&Mosque { seed, detail })),
+        Generator::ScienceCenter => Ok(lie_scene::science_center(&ScienceCenter { seed, detail })),
     }
 }
 

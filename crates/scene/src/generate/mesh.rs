@@ -34,6 +34,17 @@ impl Mesh {
         self.triangles.push([first, first + 2, first + 3]);
     }
 
+    /// A flat triangle, counter-clockwise.
+    pub(super) fn triangle(&mut self, corners: [Vec3; 3]) {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend(corners.map(|position| Vertex {
+            position,
+            normal: Vec3::ZERO,
+            uv: Vec2::new(position.x + position.z, position.y),
+        }));
+        self.triangles.push([first, first + 1, first + 2]);
+    }
+
     /// A flat quadrangle, counter-clockwise.
     pub(super) fn quadrangle(&mut self, corners: [Vec3; 4]) {
         let first = self.vertices.len() as u32;
@@ -82,6 +93,41 @@ impl Mesh {
             .iter()
             .map(|triangle| triangle.map(|index| index + first));
         self.triangles.extend(moved);
+    }
+
+    /// Turns the surface inside out.
+    pub(super) fn flip(&mut self) {
+        for triangle in &mut self.triangles {
+            triangle.swap(1, 2);
+        }
+        for vertex in &mut self.vertices {
+            vertex.normal = -vertex.normal;
+        }
+    }
+
+    /// Gives vertices that have no normal their triangle's, which looks the same: a mesh with
+    /// some of both would not survive a file.
+    pub(super) fn fill_normals(&mut self) {
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.map(|index| self.vertices[index as usize].position);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            for index in triangle {
+                let own = &mut self.vertices[*index as usize].normal;
+                if *own == Vec3::ZERO {
+                    *own = normal;
+                }
+            }
+        }
+    }
+
+    /// Takes out triangles without area, such as a lathe leaves where its profile meets the axis.
+    pub(super) fn drop_slivers(&mut self) {
+        const LEAST_AREA_M2: f32 = 1.0e-10;
+        let vertices = &self.vertices;
+        self.triangles.retain(|triangle| {
+            let [a, b, c] = triangle.map(|index| vertices[index as usize].position);
+            (b - a).cross(c - a).length() > 2.0 * LEAST_AREA_M2
+        });
     }
 
     /// Puts the mesh into a draft as one part.

@@ -1,14 +1,21 @@
 //! Scenes made by rule: the same parameters give the same scene, on every machine.
 
+mod bitmaps;
 mod cornell;
 mod gallery;
 mod mesh;
+mod mosque;
+#[cfg(test)]
+mod probes;
+mod science_center;
 mod shapes;
 
 use crate::{Background, RenderSettings, Scene, draft::Draft};
 
 pub(crate) use cornell::draft as cornell_draft;
 pub(crate) use gallery::draft as gallery_draft;
+pub(crate) use mosque::draft as mosque_draft;
+pub(crate) use science_center::draft as science_center_draft;
 
 /// Finest division of round things, relative to the usual.
 pub(crate) const MAX_DETAIL: f32 = 4.0;
@@ -24,6 +31,43 @@ pub struct Gallery {
 }
 
 impl Default for Gallery {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            detail: 1.0,
+        }
+    }
+}
+
+/// What [`mosque`] is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mosque {
+    /// Which marble and which capital each column gets, and the grain of the materials.
+    pub seed: u64,
+    /// How finely round and carved things are divided, in `(0, 4]`: 1 is the usual, and the
+    /// number of triangles grows with the square.
+    pub detail: f32,
+}
+
+impl Default for Mosque {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            detail: 1.0,
+        }
+    }
+}
+
+/// What [`science_center`] is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScienceCenter {
+    /// What posters, globe, trees and the café's chairs start from.
+    pub seed: u64,
+    /// How finely round things are divided, in `(0, 4]`: 1 is the usual.
+    pub detail: f32,
+}
+
+impl Default for ScienceCenter {
     fn default() -> Self {
         Self {
             seed: 1,
@@ -53,6 +97,35 @@ pub fn gallery(parameters: &Gallery) -> Scene {
         ..RenderSettings::default()
     };
     finish(gallery_draft(parameters), "gallery", settings)
+}
+
+/// A hall of columns after the mosque of Córdoba, under a hundred points of light: ten
+/// bright ones along the nave and ninety dim ones in the other aisles.
+///
+/// # Panics
+/// Never, for any parameters; a test holds that.
+#[must_use]
+pub fn mosque(parameters: &Mosque) -> Scene {
+    let settings = RenderSettings {
+        size: glam::UVec2::new(1280, 720),
+        ..RenderSettings::default()
+    };
+    finish(mosque_draft(parameters), "mosque", settings)
+}
+
+/// The atrium of a science centre: stairs, balconies, the skeleton of a whale, all matt, and
+/// one large area light, the daylight of its glass roof and front.
+///
+/// # Panics
+/// Never, for any parameters; a test holds that.
+#[must_use]
+pub fn science_center(parameters: &ScienceCenter) -> Scene {
+    let settings = RenderSettings {
+        size: glam::UVec2::new(1280, 720),
+        light_samples: 64,
+        ..RenderSettings::default()
+    };
+    finish(science_center_draft(parameters), "science-center", settings)
 }
 
 fn finish(draft: Draft, name: &str, settings: RenderSettings) -> Scene {

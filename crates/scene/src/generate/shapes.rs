@@ -81,6 +81,49 @@ pub(super) fn parametric(counts: [u32; 2], surface: impl Fn(f32, f32) -> Vec3) -
     mesh
 }
 
+/// The solid that a closed, convex profile makes on its way through `place`, from 0 to 1. The
+/// profile is counter-clockwise for one who looks along the way; its edges stay sharp, the
+/// way is smooth, and both ends are closed.
+pub(super) fn sweep(profile: &[Vec2], steps: u32, place: impl Fn(f32, Vec2) -> Vec3) -> Mesh {
+    let mut mesh = Mesh::default();
+    let step = 1.0e-3;
+    let mut push = |position: Vec3, normal: Vec3, uv: Vec2| {
+        mesh.vertices.push(Vertex {
+            position,
+            normal,
+            uv,
+        });
+    };
+    for (index, &from) in profile.iter().enumerate() {
+        let to = profile[(index + 1) % profile.len()];
+        for t in (0..=steps).map(|index| index as f32 / steps as f32) {
+            let along = place(t + step, from) - place(t - step, from);
+            let normal = along
+                .cross(place(t, to) - place(t, from))
+                .normalize_or_zero();
+            push(place(t, from), normal, Vec2::new(t, 0.0));
+            push(place(t, to), normal, Vec2::new(t, 1.0));
+        }
+    }
+    for t in [0.0, 1.0] {
+        for &point in profile {
+            push(place(t, point), Vec3::ZERO, point);
+        }
+    }
+    let (edges, row) = (profile.len() as u32, 2 * (steps + 1));
+    for a in (0..edges).flat_map(|edge| (0..steps).map(move |s| edge * row + 2 * s)) {
+        mesh.triangles.push([a, a + 2, a + 3]);
+        mesh.triangles.push([a, a + 3, a + 1]);
+    }
+    let (start, end) = (edges * row, edges * (row + 1));
+    for point in 1..edges.saturating_sub(1) {
+        mesh.triangles
+            .push([start, start + point, start + point + 1]);
+        mesh.triangles.push([end, end + point + 1, end + point]);
+    }
+    mesh
+}
+
 /// A tube of a given radius about a closed curve over [0, 1].
 pub(super) fn closed_tube(counts: [u32; 2], radius: f32, curve: impl Fn(f32) -> Vec3) -> Mesh {
     parametric(counts, |u, v| {
@@ -184,6 +227,13 @@ mod tests {
             PI * 0.25 * 10f32.sqrt(),
         );
         check(&torus(2.0, 0.5, [96, 48]), 2.0 * PI * PI * 2.0 * 0.25);
+        // A half ring of square section, from +x over +y to −x.
+        let square = [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]].map(Vec2::from);
+        let half_ring = sweep(&square, 48, |t, p| {
+            let (sin, cos) = (PI * t).sin_cos();
+            Vec3::new((2.0 + p.y) * cos, (2.0 + p.y) * sin, p.x)
+        });
+        assert!((volume(&half_ring) / (2.0 * PI) - 1.0).abs() < 0.02);
         let ring = closed_tube([96, 48], 0.5, |t| {
             2.0 * Vec3::new((t * TAU).cos(), 0.0, (t * TAU).sin())
         });

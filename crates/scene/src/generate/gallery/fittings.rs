@@ -5,13 +5,11 @@ use std::f32::consts::TAU;
 use glam::{Quat, Vec2, Vec3};
 use lie_geom::RandomKey;
 
-use super::{
-    Site,
-    palette::{add_texture, painting},
-};
+use super::{Site, palette::painting};
 use crate::{
     Material, TextureRef,
     generate::{
+        bitmaps::add_texture,
         mesh::Mesh,
         shapes::{lathe, parametric},
     },

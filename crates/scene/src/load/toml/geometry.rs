@@ -69,19 +69,20 @@ fn generated(geometry: &GeometryEntry, generator: &Spanned<String>) -> Result<Dr
             format!("expected a detail of at most {most}"),
         ));
     }
+    let seed = geometry.seed.unwrap_or(1);
     match generator.as_ref().as_str() {
         "cornell-box" => Ok(generate::cornell_draft()),
-        "gallery" => {
-            let usual = generate::Gallery::default();
-            Ok(generate::gallery_draft(&generate::Gallery {
-                seed: geometry.seed.unwrap_or(usual.seed),
-                detail,
-            }))
+        "gallery" => Ok(generate::gallery_draft(&generate::Gallery { seed, detail })),
+        "mosque" => Ok(generate::mosque_draft(&generate::Mosque { seed, detail })),
+        "science-center" => {
+            let parameters = generate::ScienceCenter { seed, detail };
+            Ok(generate::science_center_draft(&parameters))
         }
         other => Err((
             generator.span(),
             format!(
-                "expected the generator \"cornell-box\" or \"gallery\", found \"{}\"",
+                "expected the generator \"cornell-box\", \"gallery\", \"mosque\" or \
+                 \"science-center\", found \"{}\"",
                 source::shorten(other)
             ),
         )),

@@ -71,7 +71,7 @@ fn errors_name_the_line_and_column() {
         (
             "[[geometry]]\ngenerator = \"castle\"",
             ":2:13:",
-            "\"gallery\"",
+            "\"science-center\"",
         ),
         ("[[geometry]]\nfile = \"/etc/passwd\"", ":1:1:", "relative"),
         (
@@ -188,7 +188,7 @@ fn lights_and_cameras_of_the_geometry_can_be_left_out() {
 #[test]
 fn the_shipped_scenes_load() {
     let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    for name in ["cornell", "gallery"] {
+    for name in ["cornell", "gallery", "mosque", "science-center"] {
         let loaded = load(&scenes.join(name)).unwrap();
         assert_eq!(
             (loaded.scene.name.as_str(), loaded.warnings),
