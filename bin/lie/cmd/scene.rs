@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, Subcommand, ValueEnum};
-use lie_scene::{Gallery, Scene, Summary};
+use lie_scene::{Bar, Gallery, Scene, Summary};
 use serde_json::{Value, json};
 
 use crate::{
@@ -46,10 +46,10 @@ pub(crate) struct Generate {
     generator: Generator,
     /// Where to write it; the ending, .glb or .obj, is the format.
     out: PathBuf,
-    /// What the gallery's paintings and grain start from.
+    /// What the scene's chances start from: paintings and grain, bottles and posters.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// How finely the gallery's round things are divided, above 0 and at most 4; 1 is the
+    /// How finely round things are divided, above 0 and at most 4; 1 is the
     /// usual.
     #[arg(long, value_name = "FACTOR")]
     detail: Option<f32>,
@@ -62,6 +62,8 @@ enum Generator {
     CornellBox,
     /// A museum of five rooms under some fifty lights.
     Gallery,
+    /// A bar in the evening under seventy spots.
+    Bar,
 }
 
 pub(crate) fn execute(command: &SceneCommand) -> anyhow::Result<()> {
@@ -132,17 +134,30 @@ fn make(generate: &Generate) -> Result<Scene, Usage> {
         Generator::CornellBox => Ok(lie_scene::cornell_box()),
         Generator::Gallery => {
             let usual = Gallery::default();
-            let detail = generate.detail.unwrap_or(usual.detail);
-            if !(detail > 0.0 && detail <= 4.0) {
-                return Err(usage(format!(
-                    "--detail {detail}: expected a number above 0 and at most 4"
-                )));
-            }
             Ok(lie_scene::gallery(&Gallery {
                 seed: generate.seed.unwrap_or(usual.seed),
-                detail,
+                detail: detail_or(generate, usual.detail)?,
             }))
         }
+        Generator::Bar => {
+            let usual = Bar::default();
+            Ok(lie_scene::bar(&Bar {
+                seed: generate.seed.unwrap_or(usual.seed),
+                detail: detail_or(generate, usual.detail)?,
+            }))
+        }
+    }
+}
+
+/// The detail asked for, if it is a possible one.
+fn detail_or(generate: &Generate, usual: f32) -> Result<f32, Usage> {
+    let detail = generate.detail.unwrap_or(usual);
+    if detail > 0.0 && detail <= 4.0 {
+        Ok(detail)
+    } else {
+        Err(usage(format!(
+            "--detail {detail}: expected a number above 0 and at most 4"
+        )))
     }
 }
 

@@ -6,7 +6,7 @@
 //! rest. A cone's angles are measured from its axis. All geometry is in world space:
 //! loaders apply every transform.
 //!
-//! [`Scene`] is the whole; [`load`] reads one from a file, [`gallery`] and [`cornell_box`]
+//! [`Scene`] is the whole; [`load`] reads one from a file, [`gallery`], [`bar`] and [`cornell_box`]
 //! make one by rule, [`export_glb`] and [`export_obj`] write one, and [`Summary`] says what
 //! is in it.
 //!
@@ -38,7 +38,7 @@ mod walkthrough;
 
 pub use camera::Camera;
 pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
-pub use generate::{Gallery, cornell_box, gallery};
+pub use generate::{Bar, Gallery, bar, cornell_box, gallery};
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
 pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};

@@ -78,10 +78,17 @@ fn generated(geometry: &GeometryEntry, generator: &Spanned<String>) -> Result<Dr
                 detail,
             }))
         }
+        "bar" => {
+            let usual = generate::Bar::default();
+            Ok(generate::bar_draft(&generate::Bar {
+                seed: geometry.seed.unwrap_or(usual.seed),
+                detail,
+            }))
+        }
         other => Err((
             generator.span(),
             format!(
-                "expected the generator \"cornell-box\" or \"gallery\", found \"{}\"",
+                "expected the generator \"cornell-box\", \"gallery\" or \"bar\", found \"{}\"",
                 source::shorten(other)
             ),
         )),
