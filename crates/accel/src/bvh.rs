@@ -91,4 +91,4 @@ impl Accel for Bvh {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
