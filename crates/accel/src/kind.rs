@@ -4,7 +4,8 @@ use lie_scene::Geometry;
 
 use crate::{Accel, Bvh, Cutout, TwoLevelGrid};
 
-/// The structures there are. All give the same hits, bit by bit.
+/// The structures there are. They give the same hits, bit by bit, but for rays that lie in
+/// the plane of a triangle or of a box's face; some *other* blocker where several block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AccelKind {
     /// [`Bvh`].

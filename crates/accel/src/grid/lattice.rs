@@ -9,15 +9,31 @@ pub(super) struct Lattice {
     pub(super) min: DVec3,
     /// Size of a cell; positive along every axis.
     pub(super) cell: DVec3,
+    /// Cells per metre.
+    density: DVec3,
     /// Cells along each axis, at least one.
     pub(super) counts: UVec3,
 }
 
 impl Lattice {
     pub(super) fn new(min: DVec3, size: DVec3, counts: UVec3) -> Self {
+        let count = counts.as_dvec3();
         Self {
             min,
-            cell: size / counts.as_dvec3(),
+            cell: size / count,
+            density: count / size,
+            counts,
+        }
+    }
+
+    /// One of this lattice's cells, cut itself.
+    #[inline(always)]
+    pub(super) fn cut(&self, place: UVec3, counts: UVec3) -> Self {
+        let count = counts.as_dvec3();
+        Self {
+            min: self.corner(place),
+            cell: self.cell / count,
+            density: self.density * count,
             counts,
         }
     }
@@ -39,7 +55,7 @@ impl Lattice {
     /// The cell that a point is in; the nearest one if it is outside.
     pub(super) fn place(&self, point: DVec3) -> UVec3 {
         // The cast takes what is negative or undefined to 0.
-        ((point - self.min) / self.cell)
+        ((point - self.min) * self.density)
             .as_uvec3()
             .min(self.counts - UVec3::ONE)
     }

@@ -124,11 +124,8 @@ impl TwoLevelGrid {
                 [0, 0, 0] => ControlFlow::Continue(()),
                 [1, 1, 1] => visit(self.cells.of(top.first as usize), range[1]),
                 counts => {
-                    let sub = Lattice::new(
-                        lattice.corner(place),
-                        lattice.cell,
-                        counts.map(u32::from).into(),
-                    );
+                    let counts = counts.map(u32::from).into();
+                    let sub = lattice.cut(place, counts);
                     sub.walk(&grid_ray, range, |place, [_, leave]| {
                         match self.cells.of(top.first as usize + sub.index(place)) {
                             [] => ControlFlow::Continue(()),
