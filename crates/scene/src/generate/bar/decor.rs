@@ -147,11 +147,21 @@ impl Site {
             upper.panel(&mut body, &panelling);
         }
         self.part("piano", self.palette.ebony, body);
+        self.add_keys(front, width, 0.26 + deep - 0.11);
+        let mut music = Mesh::default();
+        let sheet = front.at(0.5 * width - 0.22, 0.80, 0.335);
+        music.quad(sheet, 0.44 * front.right, Vec3::new(-0.05, 0.3, 0.0));
+        self.part("music", self.palette.labels[0], music);
+        self.add_piano_stool();
+    }
+
+    /// Fifty-two white keys, as far out of the front as `edge`, and the black ones between.
+    fn add_keys(&mut self, front: Front, width: f32, edge: f32) {
         let (mut white, mut black) = (Mesh::default(), Mesh::default());
         let pitch = (width - 0.13) / 52.0;
         for key in 0..52 {
             let x = 0.065 + pitch * key as f32;
-            let z = [0.27, 0.26 + deep - 0.11];
+            let z = [0.27, edge];
             front.board(
                 &mut white,
                 [x + 0.0007, x + pitch - 0.0007],
@@ -166,10 +176,9 @@ impl Site {
         }
         self.part("ivories", self.palette.china, white);
         self.part("ebonies", self.palette.iron, black);
-        let mut music = Mesh::default();
-        let sheet = front.at(0.5 * width - 0.22, 0.80, 0.335);
-        music.quad(sheet, 0.44 * front.right, Vec3::new(-0.05, 0.3, 0.0));
-        self.part("music", self.palette.labels[0], music);
+    }
+
+    fn add_piano_stool(&mut self) {
         let mut model = Model::default();
         let seat = turned(
             &[
