@@ -11,7 +11,7 @@ use std::{hint::black_box, sync::Arc, sync::atomic::AtomicBool, time::Duration};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{UVec2, Vec2, Vec3};
-use lie_accel::{Occluders, PACKET, RayPacket};
+use lie_accel::{AccelKind, Occluders, PACKET, RayPacket};
 use lie_farm::{Builder, ConstructSettings, LieReplica, View};
 use lie_geom::{RandomKey, Ray};
 use lie_octree::{CellBody, LieTree};
@@ -113,6 +113,41 @@ fn rays(criterion: &mut Criterion) {
         });
     });
     group.finish();
+}
+
+/// The paper's grid against the hierarchy, ray by ray, on two scenes.
+fn structures(criterion: &mut Criterion) {
+    let bar = lie_scene::bar(&lie_scene::Bar::default());
+    for (name, world) in [
+        ("gallery", gallery()),
+        ("bar", Arc::new(World::new(Arc::new(bar)))),
+    ] {
+        let camera_rays = camera_rays(&world);
+        let shadow_rays = shadow_rays(&world, &surfaces(&world));
+        for kind in [AccelKind::Bvh, AccelKind::Grid] {
+            let accel = kind.build(&world.scene().geometry, None);
+            let mut group = criterion.benchmark_group(format!("structures, {name}"));
+            group.throughput(Throughput::Elements(camera_rays.len() as u64));
+            group.bench_function(format!("camera rays, {}", kind.name()), |bencher| {
+                bencher.iter(|| {
+                    let found = camera_rays.iter().filter_map(|ray| accel.closest(ray));
+                    found.count()
+                });
+            });
+            group.throughput(Throughput::Elements(shadow_rays.len() as u64));
+            group.bench_function(format!("shadow rays, {}", kind.name()), |bencher| {
+                bencher.iter(|| {
+                    let blocked = shadow_rays.iter().filter(|ray| accel.is_blocked(ray));
+                    blocked.count()
+                });
+            });
+            group.throughput(Throughput::Elements(world.scene().geometry.len() as u64));
+            group.bench_function(format!("build, {}", kind.name()), |bencher| {
+                bencher.iter(|| kind.build(&world.scene().geometry, None));
+            });
+            group.finish();
+        }
+    }
 }
 
 fn occluder_lists(criterion: &mut Criterion) {
@@ -268,6 +303,6 @@ fn brief() -> Criterion {
 criterion_group! {
     name = kernels;
     config = brief();
-    targets = rays, occluder_lists, cells, sampling, shading
+    targets = rays, structures, occluder_lists, cells, sampling, shading
 }
 criterion_main!(kernels);

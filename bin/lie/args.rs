@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use glam::UVec2;
+use lie_render::AccelKind;
 use lie_scene::{Camera, RenderSettings, Scene, Walkthrough};
 
 use crate::failure::{OrUsage, Usage, usage};
@@ -41,6 +42,24 @@ impl Integrator {
         match self {
             Self::Standard => "standard",
             Self::Lie => "lie",
+        }
+    }
+}
+
+/// What finds which triangles a ray hits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Accel {
+    /// A bounding volume hierarchy with eight children to a node.
+    Bvh,
+    /// The paper's two-level grid.
+    Grid,
+}
+
+impl From<Accel> for AccelKind {
+    fn from(accel: Accel) -> Self {
+        match accel {
+            Accel::Bvh => Self::Bvh,
+            Accel::Grid => Self::Grid,
         }
     }
 }

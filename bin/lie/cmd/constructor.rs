@@ -10,7 +10,7 @@ use lie_scene::Scene;
 
 use super::render::Construction;
 use crate::{
-    args,
+    args::{self, Accel},
     process::{self, Network, Supervision},
 };
 
@@ -28,6 +28,9 @@ pub(crate) struct Constructor {
     /// Threads that construct; 0 is one for each core.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
+    /// What finds hits in the scene. Each process may choose for itself.
+    #[arg(long, value_enum, default_value = "bvh")]
+    accel: Accel,
     /// Seed of the construction samples.
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
@@ -87,6 +90,7 @@ pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
     });
     let config = ConstructorConfig {
         exposure: arguments.network.exposure(),
+        accel: arguments.accel.into(),
         construct: ConstructSettings {
             threads: process::threads(arguments.threads)?,
             seed: arguments.seed,

@@ -8,11 +8,11 @@ use clap::Args;
 use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
 use lie_farm::{BatchReport, Builder, ConstructSettings, LieReplica, View};
-use lie_render::{Film, FrameSettings, LieLookup, RenderStats, ToneMap, World};
+use lie_render::{AccelKind, Film, FrameSettings, LieLookup, RenderStats, ToneMap, World};
 use lie_scene::Camera;
 
 use crate::{
-    args::{self, Integrator, Precision, ToneCurve, say, write_json},
+    args::{self, Accel, Integrator, Precision, ToneCurve, say, write_json},
     failure::{OrUsage, usage},
     process,
 };
@@ -28,6 +28,9 @@ pub(crate) struct Render {
     /// How visibility of lights is found.
     #[arg(long, value_enum, default_value = "lie")]
     integrator: Integrator,
+    /// What finds hits in the scene.
+    #[arg(long, value_enum, default_value = "bvh")]
+    accel: Accel,
     /// Named camera; the scene's first by default.
     #[arg(long, conflicts_with = "walk", value_name = "NAME")]
     camera: Option<String>,
@@ -174,7 +177,8 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
         .build()?;
 
     let clock = Instant::now();
-    let world = pool.install(|| Arc::new(World::new(scene.clone())));
+    let accel = arguments.accel.into();
+    let world = pool.install(|| Arc::new(World::with_accel(scene.clone(), accel)));
     let build_ms = milliseconds(clock.elapsed());
 
     let construction = (arguments.integrator == Integrator::Lie)
@@ -358,7 +362,7 @@ fn statistics(
     serde_json::json!({
         "scene": arguments.scene.display().to_string(),
         "integrator": arguments.integrator.name(),
-        "accel": "bvh",
+        "accel": AccelKind::from(arguments.accel).name(),
         "threads": threads,
         "width": settings.size.x,
         "height": settings.size.y,

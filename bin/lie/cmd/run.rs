@@ -10,9 +10,10 @@ use lie_farm::{
     launch::{Farm, LaunchConfig},
     network::Exposure,
 };
+use lie_render::AccelKind;
 
 use super::{render::Construction, walk::WalkOptions};
-use crate::{failure::usage, process};
+use crate::{args::Accel, failure::usage, process};
 
 /// Renders a walkthrough on this machine: a constructor, shaders and a client, each a
 /// process of its own, as on a cluster.
@@ -29,6 +30,9 @@ pub(crate) struct Run {
     /// Render threads of each shader; 0 shares the cores out among the shaders.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
+    /// What finds hits in the scene, in all processes.
+    #[arg(long, value_enum, default_value = "bvh")]
+    accel: Accel,
     #[command(flatten)]
     walk: WalkOptions,
     /// Construct before the first frame and never again, from what that frame sees: until
@@ -80,6 +84,8 @@ fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result
     let threads = process::threads(arguments.construct_threads)?;
     constructor.extend(["--threads".into(), threads.to_string().into()]);
     constructor.extend(["--seed".into(), arguments.walk.seed.to_string().into()]);
+    let accel = AccelKind::from(arguments.accel).name();
+    constructor.extend(["--accel".into(), accel.into()]);
     constructor.extend(arguments.construction.to_arguments());
     if arguments.freeze {
         constructor.push("--freeze".into());
@@ -99,6 +105,7 @@ fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result
     let mut shader: Vec<OsString> = vec!["shader".into()];
     shader.extend(["--log".into(), log.into()]);
     shader.extend(["--threads".into(), threads.to_string().into()]);
+    shader.extend(["--accel".into(), accel.into()]);
     if let Some(cache) = &arguments.cache {
         shader.extend(["--cache".into(), cache.into()]);
     }

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, Subcommand, ValueEnum};
-use lie_scene::{Gallery, Mosque, Scene, ScienceCenter, Summary};
+use lie_scene::{Bar, Gallery, Mosque, Scene, ScienceCenter, Summary};
 use serde_json::{Value, json};
 
 use crate::{
@@ -62,6 +62,8 @@ enum Generator {
     CornellBox,
     /// A museum of five rooms under some fifty lights.
     Gallery,
+    /// A bar in the evening under seventy spots.
+    Bar,
     /// A hall of columns under a hundred points of light; a million triangles.
     Mosque,
     /// An atrium under one glass roof, the only light; some thousand triangles.
@@ -142,6 +144,7 @@ fn make(generate: &Generate) -> Result<Scene, Usage> {
         ),
         Generator::CornellBox => Ok(lie_scene::cornell_box()),
         Generator::Gallery => Ok(lie_scene::gallery(&Gallery { seed, detail })),
+        Generator::Bar => Ok(lie_scene::bar(&Bar { seed, detail })),
         Generator::Mosque => Ok(lie_scene::mosque(&Mosque { seed, detail })),
         Generator::ScienceCenter => Ok(lie_scene::science_center(&ScienceCenter { seed, detail })),
     }

@@ -6,7 +6,10 @@ use lie_farm::{
     shader::{self, ShaderConfig, ShaderError},
 };
 
-use crate::process::{self, Network, Supervision};
+use crate::{
+    args::Accel,
+    process::{self, Network, Supervision},
+};
 
 /// Renders tiles for clients with what the constructor has learnt.
 ///
@@ -24,6 +27,9 @@ pub(crate) struct Shader {
     /// Threads that render; 0 is one for each core.
     #[arg(long, default_value_t = 0, env = "LIE_THREADS", value_name = "N")]
     threads: usize,
+    /// What finds hits in the scene. Each process may choose for itself.
+    #[arg(long, value_enum, default_value = "bvh")]
+    accel: Accel,
     /// Where scenes are kept [default: $XDG_CACHE_HOME/lie or ~/.cache/lie]
     #[arg(long, env = "LIE_CACHE", value_name = "DIR")]
     cache: Option<PathBuf>,
@@ -50,6 +56,7 @@ pub(crate) fn execute(arguments: &Shader) -> anyhow::Result<()> {
         constructor: arguments.constructor.clone(),
         exposure: arguments.network.exposure(),
         threads: process::threads(arguments.threads)?,
+        accel: arguments.accel.into(),
         cache: open_cache(arguments),
     };
     process::announce(&listener)?;

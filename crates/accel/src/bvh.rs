@@ -95,4 +95,4 @@ impl Accel for Bvh {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -1,5 +1,6 @@
 //! What rays hit: a bounding volume hierarchy with eight children to a node, and blocks of
-//! eight triangles, traversed by single rays or by packets of sixteen.
+//! eight triangles, traversed by single rays or by packets of sixteen; or the paper's
+//! two-level grid ([`AccelKind`]).
 //!
 //! [`Accel`] is all that the rest of the house sees. Every kernel computes the same
 //! operations in the same order as the scalar [`lie_geom::Triangle::intersect`], whatever
@@ -30,6 +31,8 @@ mod block;
 mod build;
 mod bvh;
 mod cutout;
+mod grid;
+mod kind;
 mod node;
 mod occluders;
 mod packet;
@@ -37,6 +40,8 @@ mod single;
 
 pub use bvh::{Bvh, BvhStats};
 pub use cutout::Cutout;
+pub use grid::{GridStats, TwoLevelGrid};
+pub use kind::AccelKind;
 pub use occluders::Occluders;
 pub use packet::{PACKET, RayPacket};
 

@@ -46,6 +46,18 @@ impl RayPacket {
         packet
     }
 
+    /// One lane's ray; that of a lane left over is undefined, and hits nothing.
+    pub(crate) fn ray(&self, lane: usize) -> Ray {
+        let [origin, direction] =
+            [&self.origin, &self.direction].map(|axes| axes.map(|axis| axis[lane]).into());
+        Ray {
+            origin,
+            direction,
+            t_min: self.t_min[lane],
+            t_max: self.t_max[lane],
+        }
+    }
+
     fn set(&mut self, lane: usize, ray: &Ray) {
         let inverse = inverse(ray.direction);
         for axis in 0..3 {

@@ -41,6 +41,7 @@ pub use cell::{LieCell, LieLight, LieLookup};
 pub use film::{Film, Precision};
 pub use frame::render_frame;
 pub use image_file::{ImageError, read_image, write_exr, write_png};
+pub use lie_accel::AccelKind;
 pub use light_rays::{LightPoints, LightRay};
 pub use metrics::{Comparison, compare};
 pub use stats::RenderStats;

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use lie_accel::{Accel, Bvh, Cutout, PACKET, RayPacket};
+use lie_accel::{Accel, AccelKind, Cutout, PACKET, RayPacket};
 use lie_geom::{Ray, Triangle};
 use lie_scene::{Scene, Surface};
 
@@ -13,15 +13,21 @@ pub struct World {
 }
 
 impl World {
-    /// Builds the acceleration structure, in parallel.
+    /// Builds the usual acceleration structure, in parallel.
     #[must_use]
     pub fn new(scene: Arc<Scene>) -> Self {
+        Self::with_accel(scene, AccelKind::default())
+    }
+
+    /// Builds an acceleration structure of some kind, in parallel.
+    #[must_use]
+    pub fn with_accel(scene: Arc<Scene>, kind: AccelKind) -> Self {
         let cutout: Option<Arc<dyn Cutout>> = if scene.materials.iter().any(|m| m.is_masked()) {
             Some(scene.clone())
         } else {
             None
         };
-        let accel = Box::new(Bvh::build(&scene.geometry, cutout));
+        let accel = kind.build(&scene.geometry, cutout);
         let triangles = (0..scene.geometry.len() as u32)
             .map(|triangle| scene.geometry.triangle(triangle))
             .collect();

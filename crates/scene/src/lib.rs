@@ -6,7 +6,7 @@
 //! rest. A cone's angles are measured from its axis. All geometry is in world space:
 //! loaders apply every transform.
 //!
-//! [`Scene`] is the whole; [`load`] reads one from a file; [`cornell_box`], [`gallery`],
+//! [`Scene`] is the whole; [`load`] reads one from a file; [`cornell_box`], [`gallery`], [`bar`],
 //! [`mosque`] and [`science_center`] make one by rule; [`export_glb`] and [`export_obj`] write one, and [`Summary`] says what
 //! is in it.
 //!
@@ -38,7 +38,9 @@ mod walkthrough;
 
 pub use camera::Camera;
 pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
-pub use generate::{Gallery, Mosque, ScienceCenter, cornell_box, gallery, mosque, science_center};
+pub use generate::{
+    Bar, Gallery, Mosque, ScienceCenter, bar, cornell_box, gallery, mosque, science_center,
+};
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
 pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};

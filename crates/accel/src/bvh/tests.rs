@@ -7,7 +7,7 @@ use lie_scene::{Geometry, MeshPart, Vertex};
 use crate::{Accel, Bvh, Cutout, Occluders, PACKET, RayPacket};
 
 /// A soup of small random triangles, with some degenerate, some large and some twice.
-fn soup(count: u32, seed: u64) -> Geometry {
+pub(crate) fn soup(count: u32, seed: u64) -> Geometry {
     let key = RandomKey::new(seed);
     let vector = |n: u32| {
         let xy = key.uniform2(2 * n);
@@ -27,7 +27,7 @@ fn soup(count: u32, seed: u64) -> Geometry {
     geometry(&corners)
 }
 
-fn geometry(corners: &[Vec3]) -> Geometry {
+pub(crate) fn geometry(corners: &[Vec3]) -> Geometry {
     let vertices = corners
         .iter()
         .map(|&position| Vertex {
@@ -46,7 +46,7 @@ fn geometry(corners: &[Vec3]) -> Geometry {
     Geometry::new(vertices, triangles, vec![part]).unwrap()
 }
 
-fn rays(count: u32, seed: u64) -> Vec<Ray> {
+pub(crate) fn rays(count: u32, seed: u64) -> Vec<Ray> {
     let key = RandomKey::new(seed);
     let vector = |n: u32| {
         let xy = key.uniform2(2 * n);
@@ -72,7 +72,11 @@ fn rays(count: u32, seed: u64) -> Vec<Ray> {
 }
 
 /// The oracle: every triangle, one after the other.
-fn brute_force(geometry: &Geometry, ray: &Ray, cutout: Option<&dyn Cutout>) -> Option<Hit> {
+pub(crate) fn brute_force(
+    geometry: &Geometry,
+    ray: &Ray,
+    cutout: Option<&dyn Cutout>,
+) -> Option<Hit> {
     let mut best: Option<Hit> = None;
     for triangle in 0..geometry.len() as u32 {
         let Some(hit) = geometry.triangle(triangle).intersect(ray) else {
@@ -143,7 +147,7 @@ fn every_kernel_agrees_with_brute_force() {
     }
 }
 
-struct Half;
+pub(crate) struct Half;
 
 impl Cutout for Half {
     fn has_holes(&self, triangle: u32) -> bool {

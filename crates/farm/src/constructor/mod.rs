@@ -14,6 +14,7 @@ mod views;
 
 use std::sync::Arc;
 
+use lie_accel::AccelKind;
 use lie_protocol::{Refuse, Role, SceneSummary, WireLieSettings};
 use lie_render::World;
 use lie_scene::Scene;
@@ -48,6 +49,8 @@ const MAX_STRANGERS: usize = 64;
 pub struct ConstructorConfig {
     /// Whom it talks to.
     pub exposure: Exposure,
+    /// What finds hits in the scene.
+    pub accel: AccelKind,
     /// How it learns.
     pub construct: ConstructSettings,
     /// If set, all it ever learns is learnt before anybody connects.
@@ -94,7 +97,7 @@ impl Prepared {
     pub fn new(scene: Scene, config: &ConstructorConfig) -> Result<Self, ConstructorError> {
         let blob = SceneBlob::new(scene_blob::encode(&scene)?);
         let summary = convert::summary(&scene, blob.hash());
-        let world = Arc::new(World::new(Arc::new(scene)));
+        let world = Arc::new(World::with_accel(Arc::new(scene), config.accel));
         let mut builder = Builder::new(world, config.construct)
             .map_err(|error| ConstructorError::Threads(error.to_string()))?;
         let frozen = config

@@ -13,6 +13,7 @@ mod upstream;
 
 use std::sync::Arc;
 
+use lie_accel::AccelKind;
 use tokio::{
     net::{TcpListener, TcpStream},
     sync::watch,
@@ -40,6 +41,8 @@ pub struct ShaderConfig {
     pub exposure: Exposure,
     /// Render threads, at least one.
     pub threads: usize,
+    /// What finds hits in the scene.
+    pub accel: AccelKind,
     /// Where scenes are kept; none goes without.
     pub cache: Option<SceneCache>,
 }

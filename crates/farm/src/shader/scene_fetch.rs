@@ -6,6 +6,7 @@ use lie_protocol::{
 use lie_render::World;
 use tokio::{io::AsyncRead, sync::mpsc, task::spawn_blocking};
 
+use super::ShaderConfig;
 use crate::{
     cache::SceneCache,
     connection::{LinkError, Receiver},
@@ -14,13 +15,14 @@ use crate::{
 
 /// The world of a welcome: from the cache, or from the constructor and then into the cache.
 pub(super) async fn world<R: AsyncRead + Unpin>(
+    config: &ShaderConfig,
     welcome: &ShaderWelcome,
-    cache: Option<&SceneCache>,
     receiver: &mut Receiver<R>,
     outbox: &mpsc::Sender<Out>,
 ) -> Result<Arc<World>, LinkError> {
     let hash = welcome.scene;
-    let cached = match cache.cloned() {
+    let (cache, accel) = (&config.cache, config.accel);
+    let cached = match cache.clone() {
         Some(cache) => blocking(move || cache.load(hash)).await?,
         None => None,
     };
@@ -32,13 +34,13 @@ pub(super) async fn world<R: AsyncRead + Unpin>(
         None => {
             let bytes = fetch(welcome, receiver, outbox).await?;
             tracing::info!("the scene came over the network ({} bytes)", bytes.len());
-            keep(cache.cloned(), bytes, welcome).await?
+            keep(cache.clone(), bytes, welcome).await?
         }
     };
     let built = blocking(move || {
         decode(&bytes).map(|scene| {
             drop(bytes);
-            Arc::new(World::new(Arc::new(scene)))
+            Arc::new(World::with_accel(Arc::new(scene), accel))
         })
     })
     .await?;

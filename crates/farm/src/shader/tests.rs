@@ -109,6 +109,7 @@ async fn a_gap_leads_to_a_resync_and_a_damaged_cache_to_another_fetch() {
         constructor: constructor.local_addr().unwrap().to_string(),
         exposure: Exposure::Loopback,
         threads: 1,
+        accel: AccelKind::Bvh,
         cache: Some(cache.clone()),
     };
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
@@ -189,6 +190,7 @@ async fn a_gap_leads_to_a_resync_and_a_damaged_cache_to_another_fetch() {
             constructor: constructor.local_addr().unwrap().to_string(),
             exposure: Exposure::Loopback,
             threads: 1,
+            accel: AccelKind::Grid,
             cache: Some(cache.clone()),
         };
         let shutdown = CancellationToken::new();

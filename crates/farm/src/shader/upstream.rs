@@ -114,8 +114,7 @@ async fn follow<R: AsyncRead + Unpin>(
     let stage = match present.filter(|stage| stage.scene == welcome.scene) {
         Some(stage) => stage,
         None => {
-            let cache = config.cache.as_ref();
-            let world = scene_fetch::world(welcome, cache, receiver, outbox).await?;
+            let world = scene_fetch::world(config, welcome, receiver, outbox).await?;
             let stage = Arc::new(Stage::new(welcome.scene, world, settings));
             shared.stage.send_replace(Some(stage.clone()));
             stage

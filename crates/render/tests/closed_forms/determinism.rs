@@ -3,7 +3,7 @@
 use std::sync::{Arc, atomic::AtomicBool};
 
 use glam::UVec2;
-use lie_render::{Film, FrameSettings, Tile, World, render_frame, render_tile};
+use lie_render::{AccelKind, Film, FrameSettings, Tile, World, render_frame, render_tile};
 
 const SETTINGS: FrameSettings = FrameSettings {
     size: UVec2::new(117, 83),
@@ -13,12 +13,16 @@ const SETTINGS: FrameSettings = FrameSettings {
 };
 
 fn scenes() -> Vec<World> {
+    scenes_with(AccelKind::default())
+}
+
+fn scenes_with(accel: AccelKind) -> Vec<World> {
     let gallery = lie_scene::gallery(&lie_scene::Gallery {
         detail: 0.25,
         ..lie_scene::Gallery::default()
     });
     [lie_scene::cornell_box(), gallery]
-        .map(|scene| World::new(Arc::new(scene)))
+        .map(|scene| World::with_accel(Arc::new(scene), accel))
         .into()
 }
 
@@ -44,6 +48,14 @@ fn the_number_of_threads_changes_no_bit() {
         for threads in [2, 3] {
             assert!(frame(&world, threads) == alone, "{threads} threads");
         }
+    }
+}
+
+#[test]
+fn the_structure_that_finds_hits_changes_no_bit() {
+    for (hierarchy, grid) in scenes().iter().zip(&scenes_with(AccelKind::Grid)) {
+        let name = &hierarchy.scene().name;
+        assert!(frame(hierarchy, 2) == frame(grid, 2), "{name}");
     }
 }
 

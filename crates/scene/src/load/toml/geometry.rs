@@ -78,10 +78,11 @@ fn generated(geometry: &GeometryEntry, generator: &Spanned<String>) -> Result<Dr
             let parameters = generate::ScienceCenter { seed, detail };
             Ok(generate::science_center_draft(&parameters))
         }
+        "bar" => Ok(generate::bar_draft(&generate::Bar { seed, detail })),
         other => Err((
             generator.span(),
             format!(
-                "expected the generator \"cornell-box\", \"gallery\", \"mosque\" or \
+                "expected the generator \"cornell-box\", \"gallery\", \"bar\", \"mosque\" or \
                  \"science-center\", found \"{}\"",
                 source::shorten(other)
             ),

@@ -73,6 +73,11 @@ fn errors_name_the_line_and_column() {
             ":2:13:",
             "\"science-center\"",
         ),
+        (
+            "[[geometry]]\ngenerator = \"bar\"\ndetail = 5",
+            ":2:13:",
+            "at most 4",
+        ),
         ("[[geometry]]\nfile = \"/etc/passwd\"", ":1:1:", "relative"),
         (
             "[[geometry]]\nfile = \"none.glb\"",
@@ -188,7 +193,7 @@ fn lights_and_cameras_of_the_geometry_can_be_left_out() {
 #[test]
 fn the_shipped_scenes_load() {
     let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    for name in ["cornell", "gallery", "mosque", "science-center"] {
+    for name in ["cornell", "gallery", "bar", "mosque", "science-center"] {
         let loaded = load(&scenes.join(name)).unwrap();
         assert_eq!(
             (loaded.scene.name.as_str(), loaded.warnings),
