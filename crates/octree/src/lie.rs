@@ -251,7 +251,7 @@ impl LightEvidence {
     }
 
     /// Whether the light is in the LIE.
-    fn is_lit(&self) -> bool {
+    pub(crate) fn is_lit(&self) -> bool {
         self.clear > 0 || self.inherited
     }
 
