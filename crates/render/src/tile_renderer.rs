@@ -74,6 +74,7 @@ pub fn render_tile(
         light_strata: strata(settings.light_samples),
         stats: RenderStats::default(),
         exact: vec![],
+        traced: vec![],
         directions: vec![],
         cancelled,
     };
@@ -113,6 +114,8 @@ struct TileRenderer<'a> {
     stats: RenderStats,
     /// Exact rays that wait to be traced, with their pixels.
     exact: Vec<(usize, LightRay)>,
+    /// Lights that are traced, with the points that they are traced from.
+    traced: Vec<(u32, u32)>,
     /// Lobe directions of the point in work.
     directions: Vec<Vec3>,
     cancelled: &'a AtomicBool,
@@ -293,16 +296,15 @@ impl<'a> TileRenderer<'a> {
         for (pixel, ray) in self.exact.drain(..) {
             queue.push(&ray, pixel, sums);
         }
-        for index in 0..self.world.scene().lights.len() as u32 {
-            if self.cancelled.load(Ordering::Relaxed) {
+        self.gather_traced(points);
+        for (count, &(index, point)) in self.traced.iter().enumerate() {
+            if count % 1024 == 0 && self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
-            let traces = |cell: &LieCell| cell.traced.binary_search(&index).is_ok();
-            for point in points.iter().filter(|point| point.cell.is_none_or(traces)) {
-                let light_points = self.light_points(point);
-                let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
-                self.world.for_each_light_ray(index, &light_points, trace);
-            }
+            let point = &points[point as usize];
+            let light_points = self.light_points(point);
+            let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
+            self.world.for_each_light_ray(index, &light_points, trace);
         }
         for point in points {
             let light_points = self.light_points(point);
@@ -314,6 +316,22 @@ impl<'a> TileRenderer<'a> {
         queue.flush(sums);
         self.stats.shadow_rays += queue.traced;
         Some(())
+    }
+
+    /// Which lights are traced from which points, light by light.
+    fn gather_traced(&mut self, points: &[ShadingPoint<'_>]) {
+        self.traced.clear();
+        let lights = 0..self.world.scene().lights.len() as u32;
+        if self.lies.is_none() {
+            let of_light = |light| (0..points.len() as u32).map(move |point| (light, point));
+            self.traced.extend(lights.flat_map(of_light));
+            return;
+        }
+        for (index, point) in (0..).zip(points) {
+            let traced = point.cell.map_or(&[][..], |cell| &cell.traced);
+            self.traced.extend(traced.iter().map(|&light| (light, index)));
+        }
+        self.traced.sort_unstable();
     }
 
     fn light_points<'p>(&self, point: &'p ShadingPoint<'_>) -> LightPoints<'p> {
