@@ -3,8 +3,9 @@ use lie_scene::Geometry;
 use multiversion::multiversion;
 
 use crate::{
-    Cutout,
+    Cutout, RayPacket,
     block::{BLOCK, TriangleBlock},
+    packet,
 };
 
 /// A short list of triangles that a ray is tested against instead of the whole scene: the
@@ -48,6 +49,12 @@ impl Occluders {
     #[must_use]
     pub fn is_blocked(&self, ray: &Ray, cutout: Option<&dyn Cutout>) -> bool {
         self.blocker(ray, cutout).is_some()
+    }
+
+    /// Which rays of a packet are blocked by any of them: bit `i` for ray `i`.
+    #[must_use]
+    pub fn blocked_packet(&self, packet: &RayPacket, cutout: Option<&dyn Cutout>) -> u32 {
+        packet::blocked_by_blocks(&self.blocks, packet, cutout)
     }
 
     /// Number of triangles.

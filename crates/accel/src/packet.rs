@@ -1,11 +1,11 @@
 //! Sixteen rays through the tree together: each box and each triangle is loaded once and
 //! tested against all of them.
 
-use lie_geom::{Hit, LaneHit, Ray, Triangle, intersect_lane};
+use lie_geom::{Hit, LaneHit, Ray, SHADOW_T_MAX, Triangle, intersect_lane};
 use multiversion::multiversion;
 
 use crate::{
-    Bvh,
+    Bvh, Cutout,
     block::TriangleBlock,
     node::{Child, Node, Target, WIDER, WIDTH, inverse},
 };
@@ -99,6 +99,27 @@ impl RayPacket {
             nearest = if entry < nearest { entry } else { nearest };
         }
         nearest
+    }
+
+    /// The segments from sixteen places to one target ([`Ray::segment`]). Only the lanes
+    /// whose bits are set hit anything.
+    #[must_use]
+    #[inline]
+    pub fn segments(origin: &[[f32; PACKET]; 3], target: [f32; 3], lanes: u32) -> Self {
+        let mut packet = Self::new(&[]);
+        packet.origin = *origin;
+        for lane in 0..PACKET {
+            let direction: [f32; 3] = std::array::from_fn(|axis| target[axis] - origin[axis][lane]);
+            let inverse = inverse(direction.into());
+            for axis in 0..3 {
+                packet.direction[axis][lane] = direction[axis];
+                packet.inverse[axis][lane] = inverse[axis];
+            }
+            if lanes >> lane & 1 == 1 {
+                packet.t_max[lane] = SHADOW_T_MAX;
+            }
+        }
+        packet
     }
 
     /// Which rays one triangle blocks, were it solid: bit `i` for ray `i`.
@@ -243,6 +264,36 @@ pub(crate) fn blockers(bvh: &Bvh, packet: &RayPacket) -> [Option<u32>; PACKET] {
         }
     });
     blockers
+}
+
+/// Which rays any triangle of some blocks blocks.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+pub(crate) fn blocked_by_blocks(
+    blocks: &[TriangleBlock],
+    packet: &RayPacket,
+    cutout: Option<&dyn Cutout>,
+) -> u32 {
+    let mut bound = packet.t_max;
+    let mut blocked = 0u32;
+    for block in blocks {
+        for lane in 0..block.len() {
+            let hits = packet.intersect(block.lane(lane), &bound);
+            for ray in 0..PACKET {
+                let hit = hits.lane(ray);
+                if hit.t < f32::INFINITY && block.is_solid(lane, hit, cutout) {
+                    blocked |= 1 << ray;
+                    bound[ray] = f32::NEG_INFINITY;
+                }
+            }
+        }
+        if !farther_than(&bound, f32::NEG_INFINITY) {
+            break;
+        }
+    }
+    blocked
 }
 
 #[multiversion(targets(

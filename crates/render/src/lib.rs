@@ -24,6 +24,8 @@
 
 mod brdf;
 mod cell;
+mod delta_groups;
+mod delta_lanes;
 mod film;
 mod frame;
 mod image_file;

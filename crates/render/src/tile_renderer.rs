@@ -13,7 +13,7 @@ use lie_scene::{Camera, RenderSettings, Surface};
 
 use crate::{
     Brdf, LieCell, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
-    light_rays::LightPoints, shadow_queue::ShadowQueue,
+    delta_groups::DeltaGroup, light_rays::LightPoints, shadow_queue::ShadowQueue,
 };
 
 /// All that a frame's pixels depend on, beside scene, camera and LIEs.
@@ -122,28 +122,45 @@ struct TileRenderer<'a> {
 }
 
 /// A camera ray that met a surface, waiting for its light.
-struct ShadingPoint<'a> {
+pub(crate) struct ShadingPoint<'a> {
     /// Index of its pixel in the square.
-    pixel: usize,
+    pub(crate) pixel: usize,
     key: RandomKey,
-    surface: Surface,
-    brdf: Brdf,
-    cell: Option<&'a LieCell>,
+    pub(crate) surface: Surface,
+    pub(crate) brdf: Brdf,
+    pub(crate) cell: Option<&'a LieCell>,
+}
+
+impl ShadingPoint<'_> {
+    /// Tells cells apart.
+    pub(crate) fn cell_address(&self) -> usize {
+        self.cell.map_or(0, |cell| std::ptr::from_ref(cell).addr())
+    }
 }
 
 impl<'a> TileRenderer<'a> {
     /// Renders a small square; `None` when cancelled.
     fn square(&mut self, square: Tile) -> Option<Vec<Vec3>> {
         let mut sums = vec![Vec3::ZERO; (square.size.x * square.size.y) as usize];
+        let mut groups = vec![];
         for sample in 0..self.settings.samples_per_pixel {
             if self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
             let clock = Instant::now();
-            let points = self.shading_points(square, sample, &mut sums);
+            let mut points = self.shading_points(square, sample, &mut sums);
+            // Each pixel's sums keep their order, whatever the order of the points.
+            points.sort_by_key(ShadingPoint::cell_address);
             let clock = lap(clock, &mut self.stats.visibility_ns);
+            DeltaGroup::gather(&points, &mut groups);
+            for group in &groups {
+                group.unoccluded(self.world, &mut sums);
+            }
             self.unoccluded(&points, &mut sums);
             let clock = lap(clock, &mut self.stats.unoccluded_ns);
+            for group in &groups {
+                group.partial(self.world, &mut self.stats, &mut sums);
+            }
             self.partial(&points, &mut sums)?;
             let clock = lap(clock, &mut self.stats.partial_ns);
             self.full(&points, &mut sums)?;
@@ -244,11 +261,14 @@ impl<'a> TileRenderer<'a> {
         }
     }
 
-    /// Unoccluded lights: no rays at all, but for exact ones.
+    /// Unoccluded lights with extent: no rays at all, but for exact ones.
     fn unoccluded(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) {
         for point in points {
             let light_points = self.light_points(point);
             for &index in point.cell.map_or(&[][..], |cell| &cell.unoccluded) {
+                if self.world.delta_light(index).is_some() {
+                    continue;
+                }
                 self.world.for_each_light_ray(index, &light_points, |ray| {
                     if ray.exact {
                         self.exact.push((point.pixel, ray));
@@ -260,7 +280,8 @@ impl<'a> TileRenderer<'a> {
         }
     }
 
-    /// Partially occluded lights: rays against the occluders alone, but for exact ones.
+    /// Partially occluded lights with extent: rays against the occluders alone, but for
+    /// exact ones.
     fn partial(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
         let cutout = self.world.scene();
         for point in points {
@@ -269,6 +290,9 @@ impl<'a> TileRenderer<'a> {
             }
             let light_points = self.light_points(point);
             for entry in point.cell.map_or(&[][..], |cell| &cell.partial) {
+                if self.world.delta_light(entry.light).is_some() {
+                    continue;
+                }
                 let mut rays = 0;
                 self.world
                     .for_each_light_ray(entry.light, &light_points, |ray| {
@@ -306,7 +330,12 @@ impl<'a> TileRenderer<'a> {
             let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
             self.world.for_each_light_ray(index, &light_points, trace);
         }
-        for point in points {
+        let follow = if self.world.has_lobe_lights() {
+            points
+        } else {
+            &[]
+        };
+        for point in follow {
             let light_points = self.light_points(point);
             light_points.lobe_directions(&mut self.directions);
             let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
@@ -329,7 +358,8 @@ impl<'a> TileRenderer<'a> {
         }
         for (index, point) in (0..).zip(points) {
             let traced = point.cell.map_or(&[][..], |cell| &cell.traced);
-            self.traced.extend(traced.iter().map(|&light| (light, index)));
+            self.traced
+                .extend(traced.iter().map(|&light| (light, index)));
         }
         self.traced.sort_unstable();
     }

@@ -4,11 +4,16 @@ use lie_accel::{Accel, AccelKind, Cutout, PACKET, RayPacket};
 use lie_geom::{Ray, Triangle};
 use lie_scene::{Scene, Surface};
 
+use crate::{delta_lanes::DeltaLight, light_rays::follows_lobe};
+
 /// A scene that rays can be shot into.
 pub struct World {
     scene: Arc<Scene>,
     accel: Box<dyn Accel>,
     triangles: Vec<Triangle>,
+    /// For each light, its form for lanes, if it has one.
+    delta_lights: Vec<Option<DeltaLight>>,
+    has_lobe_lights: bool,
     reach: f32,
 }
 
@@ -31,7 +36,10 @@ impl World {
         let triangles = (0..scene.geometry.len() as u32)
             .map(|triangle| scene.geometry.triangle(triangle))
             .collect();
+        let lights = &scene.lights;
         Self {
+            delta_lights: lights.iter().map(DeltaLight::new).collect(),
+            has_lobe_lights: lights.iter().any(follows_lobe),
             reach: scene.reach(),
             scene,
             accel,
@@ -49,6 +57,16 @@ impl World {
     #[must_use]
     pub fn accel(&self) -> &dyn Accel {
         &*self.accel
+    }
+
+    /// A light in the form for lanes, if it has one.
+    pub(crate) fn delta_light(&self, light: u32) -> Option<&DeltaLight> {
+        self.delta_lights.get(light as usize)?.as_ref()
+    }
+
+    /// Whether any light is sampled by where smooth surfaces reflect to.
+    pub(crate) fn has_lobe_lights(&self) -> bool {
+        self.has_lobe_lights
     }
 
     /// A distance in metres that leaves the scene from anywhere in it.
