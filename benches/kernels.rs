@@ -222,7 +222,7 @@ fn cells(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(points.len() as u64));
     group.bench_function("descent, shader's copy", |bencher| {
         bencher.iter(|| -> usize {
-            let found = points.iter().map(|&point| lies.cell(point).partial.len());
+            let found = points.iter().map(|&point| lies.cell(point).answered());
             found.sum()
         });
     });

@@ -3,9 +3,8 @@ use lie_scene::Geometry;
 use multiversion::multiversion;
 
 use crate::{
-    Cutout, RayPacket,
+    Cutout,
     block::{BLOCK, TriangleBlock},
-    packet,
 };
 
 /// A short list of triangles that a ray is tested against instead of the whole scene: the
@@ -49,12 +48,6 @@ impl Occluders {
     #[must_use]
     pub fn is_blocked(&self, ray: &Ray, cutout: Option<&dyn Cutout>) -> bool {
         self.blocker(ray, cutout).is_some()
-    }
-
-    /// Which rays of a packet are blocked by any of them: bit `i` for ray `i`.
-    #[must_use]
-    pub fn blocked_packet(&self, packet: &RayPacket, cutout: Option<&dyn Cutout>) -> u32 {
-        packet::blocked_by_blocks(&self.blocks, packet, cutout)
     }
 
     /// Number of triangles.

@@ -128,6 +128,18 @@ impl RayPacket {
         blocked_by(self, triangle)
     }
 
+    /// Which rays any of some triangles of `all` blocks, given by their indices. `cutout`
+    /// says where triangles have holes; `None` means nowhere.
+    #[must_use]
+    pub fn blocked_by_any(
+        &self,
+        all: &[Triangle],
+        indices: &[u32],
+        cutout: Option<&dyn Cutout>,
+    ) -> u32 {
+        blocked_by_any(self, all, indices, cutout)
+    }
+
     /// All lanes against one triangle.
     #[inline(always)]
     fn intersect(
@@ -266,27 +278,37 @@ pub(crate) fn blockers(bvh: &Bvh, packet: &RayPacket) -> [Option<u32>; PACKET] {
     blockers
 }
 
-/// Which rays any triangle of some blocks blocks.
 #[multiversion(targets(
     "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
     "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
 ))]
-pub(crate) fn blocked_by_blocks(
-    blocks: &[TriangleBlock],
+fn blocked_by_any(
     packet: &RayPacket,
+    all: &[Triangle],
+    indices: &[u32],
     cutout: Option<&dyn Cutout>,
 ) -> u32 {
     let mut bound = packet.t_max;
     let mut blocked = 0u32;
-    for block in blocks {
-        for lane in 0..block.len() {
-            let hits = packet.intersect(block.lane(lane), &bound);
-            for ray in 0..PACKET {
-                let hit = hits.lane(ray);
-                if hit.t < f32::INFINITY && block.is_solid(lane, hit, cutout) {
-                    blocked |= 1 << ray;
-                    bound[ray] = f32::NEG_INFINITY;
-                }
+    for &index in indices {
+        let Some(triangle) = all.get(index as usize) else {
+            continue;
+        };
+        let corners = [triangle.a, triangle.b, triangle.c].map(|corner| corner.to_array());
+        let hits = packet.intersect((corners, triangle.normal.to_array()), &bound);
+        if !hits.any() {
+            continue;
+        }
+        let holes = cutout.filter(|cutout| cutout.has_holes(index));
+        for ray in 0..PACKET {
+            let hit = hits.lane(ray);
+            let is_solid = |cutout: &dyn Cutout| {
+                let weights = hit.hit();
+                cutout.is_solid(index, weights.u, weights.v)
+            };
+            if hit.t < f32::INFINITY && holes.is_none_or(is_solid) {
+                blocked |= 1 << ray;
+                bound[ray] = f32::NEG_INFINITY;
             }
         }
         if !farther_than(&bound, f32::NEG_INFINITY) {

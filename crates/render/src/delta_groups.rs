@@ -53,7 +53,7 @@ impl<'a> DeltaGroup<'a> {
     /// Partially occluded lights: rays against the occluders alone.
     pub(crate) fn partial(&self, world: &World, stats: &mut RenderStats, sums: &mut [Vec3]) {
         let mut total = [[0.0; PACKET]; 3];
-        for entry in &self.cell.partial {
+        for entry in &self.cell.partial_delta {
             let Some(light) = world.delta_light(entry.light) else {
                 continue;
             };
@@ -63,7 +63,7 @@ impl<'a> DeltaGroup<'a> {
                 continue;
             }
             let rays = RayPacket::segments(&self.points.origin, light.position, lit);
-            let blocked = entry.occluders.blocked_packet(&rays, Some(world.scene()));
+            let blocked = world.blocked_by_any(&entry.occluders, &rays);
             add(&mut total, &radiance, !blocked);
             let rays = u64::from(lit.count_ones());
             stats.list_rays += rays;

@@ -39,7 +39,7 @@ mod tone_map;
 mod world;
 
 pub use brdf::Brdf;
-pub use cell::{LieCell, LieLight, LieLookup};
+pub use cell::{LieCell, LieDeltaLight, LieLight, LieLookup};
 pub use film::{Film, Precision};
 pub use frame::render_frame;
 pub use image_file::{ImageError, read_image, write_exr, write_png};

@@ -220,7 +220,7 @@ impl<'a> TileRenderer<'a> {
         surface: Surface,
     ) -> ShadingPoint<'a> {
         let cell = self.lies.map(|lies| lies.cell(surface.position));
-        let answered = cell.map_or(0, |cell| cell.unoccluded.len() + cell.partial.len());
+        let answered = cell.map_or(0, LieCell::answered);
         let traced = cell.map_or(self.world.scene().lights.len(), |cell| cell.traced.len());
         self.stats.trusted += answered as u64;
         self.stats.evaluations += (answered + traced) as u64;
@@ -290,9 +290,6 @@ impl<'a> TileRenderer<'a> {
             }
             let light_points = self.light_points(point);
             for entry in point.cell.map_or(&[][..], |cell| &cell.partial) {
-                if self.world.delta_light(entry.light).is_some() {
-                    continue;
-                }
                 let mut rays = 0;
                 self.world
                     .for_each_light_ray(entry.light, &light_points, |ray| {

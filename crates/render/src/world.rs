@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use lie_accel::{Accel, AccelKind, Cutout, PACKET, RayPacket};
 use lie_geom::{Ray, Triangle};
-use lie_scene::{Scene, Surface};
+use lie_scene::{Material, Scene, Surface};
 
 use crate::{delta_lanes::DeltaLight, light_rays::follows_lobe};
 
@@ -14,6 +14,7 @@ pub struct World {
     /// For each light, its form for lanes, if it has one.
     delta_lights: Vec<Option<DeltaLight>>,
     has_lobe_lights: bool,
+    has_holes: bool,
     reach: f32,
 }
 
@@ -27,11 +28,8 @@ impl World {
     /// Builds an acceleration structure of some kind, in parallel.
     #[must_use]
     pub fn with_accel(scene: Arc<Scene>, kind: AccelKind) -> Self {
-        let cutout: Option<Arc<dyn Cutout>> = if scene.materials.iter().any(|m| m.is_masked()) {
-            Some(scene.clone())
-        } else {
-            None
-        };
+        let has_holes = scene.materials.iter().any(Material::is_masked);
+        let cutout: Option<Arc<dyn Cutout>> = if has_holes { Some(scene.clone()) } else { None };
         let accel = kind.build(&scene.geometry, cutout);
         let triangles = (0..scene.geometry.len() as u32)
             .map(|triangle| scene.geometry.triangle(triangle))
@@ -39,6 +37,7 @@ impl World {
         let lights = &scene.lights;
         Self {
             delta_lights: lights.iter().map(DeltaLight::new).collect(),
+            has_holes,
             has_lobe_lights: lights.iter().any(follows_lobe),
             reach: scene.reach(),
             scene,
@@ -81,6 +80,13 @@ impl World {
         self.accel
             .closest(ray)
             .map(|hit| self.scene.surface(ray, &hit))
+    }
+
+    /// Which rays of a packet any of some triangles blocks, holes considered.
+    #[must_use]
+    pub fn blocked_by_any(&self, triangles: &[u32], packet: &RayPacket) -> u32 {
+        let cutout = self.has_holes.then_some(&*self.scene as &dyn Cutout);
+        packet.blocked_by_any(&self.triangles, triangles, cutout)
     }
 
     /// Which of some rays (at most sixteen), given as a packet and one by one, a triangle
