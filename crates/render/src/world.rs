@@ -58,6 +58,12 @@ impl World {
         &*self.accel
     }
 
+    /// A triangle of the scene.
+    #[must_use]
+    pub fn triangle(&self, index: u32) -> Option<&Triangle> {
+        self.triangles.get(index as usize)
+    }
+
     /// A light in the form for lanes, if it has one.
     pub(crate) fn delta_light(&self, light: u32) -> Option<&DeltaLight> {
         self.delta_lights.get(light as usize)?.as_ref()
@@ -93,7 +99,7 @@ impl World {
     /// blocks, holes considered: bit `i` for ray `i`.
     #[must_use]
     pub fn blocked_by(&self, triangle: u32, packet: &RayPacket, rays: &[Ray]) -> u32 {
-        let Some(shape) = self.triangles.get(triangle as usize) else {
+        let Some(shape) = self.triangle(triangle) else {
             return 0;
         };
         let blocked = packet.blocked_by(shape);

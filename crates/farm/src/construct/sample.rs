@@ -147,7 +147,7 @@ impl Visibility for VisibilityOf<'_> {
         let point = &self.points[point as usize];
         let light_points = point.light_points(self.strata);
         let weights = sampling::square_to_triangle(random.uniform2(0));
-        let triangle = self.world.scene().geometry.triangle(triangle);
+        let triangle = self.world.triangle(triangle)?;
         let place = triangle.a
             + weights.x * (triangle.b - triangle.a)
             + weights.y * (triangle.c - triangle.a);

@@ -2,11 +2,14 @@ use glam::Vec3;
 use lie_geom::Ray;
 
 use super::{Observer, lanes};
-use crate::{GROUP, Outcome, ShadowRay, Visibility};
+use crate::{Outcome, ShadowRay, Visibility};
 
 /// Triangles that rays are aimed past in vain before it ends, for one light to which each
 /// point has one ray.
 const VAIN: usize = 64;
+
+/// Rays that are aimed past one triangle.
+const TRIES: u32 = 8;
 
 /// A list that needs no help to grow.
 const LONG: usize = 64;
@@ -56,10 +59,10 @@ impl<V: Visibility> Observer<'_, V> {
         let random = self
             .random
             .mix(u64::from(light) | u64::from(triangle) << 32);
-        let mut points = [0; GROUP];
-        let mut aimed = [Ray::new(Vec3::ZERO, Vec3::X); GROUP];
+        let mut points = [0; TRIES as usize];
+        let mut aimed = [Ray::new(Vec3::ZERO, Vec3::X); TRIES as usize];
         let mut len = 0;
-        for index in 0..GROUP as u32 {
+        for index in 0..TRIES {
             let pick = (random.uniform(index) * source.len() as f32) as usize;
             let point = rays[source.start + pick.min(source.len() - 1)].point;
             let random = random.mix(u64::from(index));
