@@ -28,6 +28,10 @@ pub(crate) struct Render {
     /// How visibility of lights is found.
     #[arg(long, value_enum, default_value = "lie")]
     integrator: Integrator,
+    /// Share of a point's light below which `--integrator ward` estimates the lights that
+    /// would give least together, instead of testing them; 0 tests all.
+    #[arg(long, value_parser = args::share, default_value_t = 0.05, allow_negative_numbers = true, value_name = "SHARE")]
+    ward_threshold: f32,
     /// What finds hits in the scene.
     #[arg(long, value_enum, default_value = "bvh")]
     accel: Accel,
@@ -225,6 +229,7 @@ fn frame_settings(arguments: &Render, scene: &lie_scene::Scene) -> anyhow::Resul
     let settings = FrameSettings::new(&wanted);
     Ok(FrameSettings {
         seed: arguments.seed,
+        ward: (arguments.integrator == Integrator::Ward).then_some(arguments.ward_threshold),
         ..settings
     })
 }
