@@ -255,6 +255,7 @@ fn shading(criterion: &mut Criterion) {
             samples_per_pixel: 1,
             light_samples,
             seed: 0,
+            ward: None,
         };
         for (name, lookup) in [("standard", None), ("lie", Some(&lies as &dyn LieLookup))] {
             let render = || render_tile(&world, lookup, camera, &settings, tile, &never).unwrap();

@@ -4,7 +4,7 @@ use lie_accel::Occluders;
 use crate::World;
 
 /// A local illumination environment in the form that shading wants (LIE §4.2). A light of
-/// the scene that is in none of the lists is fully occluded.
+/// the scene that is in none of the lists is fully occluded, or masked.
 #[derive(Clone, Debug, Default)]
 pub struct LieCell {
     /// Lights that every surface point in the cell sees whole, by number.

@@ -36,6 +36,7 @@ mod stats;
 mod tile;
 mod tile_renderer;
 mod tone_map;
+mod ward;
 mod world;
 
 pub use brdf::Brdf;

@@ -13,11 +13,11 @@ use lie_scene::{Camera, RenderSettings, Surface};
 
 use crate::{
     Brdf, LieCell, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
-    delta_groups::DeltaGroup, light_rays::LightPoints, shadow_queue::ShadowQueue,
+    delta_groups::DeltaGroup, light_rays::LightPoints, shadow_queue::ShadowQueue, ward,
 };
 
 /// All that a frame's pixels depend on, beside scene, camera and LIEs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameSettings {
     /// Columns and rows.
     pub size: UVec2,
@@ -27,6 +27,9 @@ pub struct FrameSettings {
     pub light_samples: u32,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// Adaptive shadow testing (Ward 1994) where there are no LIEs: the share of a point's
+    /// light, in `[0, 1]`, below which the lights that would give least are estimated.
+    pub ward: Option<f32>,
 }
 
 impl FrameSettings {
@@ -38,6 +41,7 @@ impl FrameSettings {
             samples_per_pixel: settings.samples_per_pixel,
             light_samples: settings.light_samples,
             seed: 0,
+            ward: None,
         }
     }
 }
@@ -163,7 +167,10 @@ impl<'a> TileRenderer<'a> {
             }
             self.partial(&points, &mut sums)?;
             let clock = lap(clock, &mut self.stats.partial_ns);
-            self.full(&points, &mut sums)?;
+            match self.settings.ward.filter(|_| self.lies.is_none()) {
+                Some(threshold) => self.ward(threshold, &points, &mut sums)?,
+                None => self.full(&points, &mut sums)?,
+            }
             lap(clock, &mut self.stats.full_ns);
         }
         let share = 1.0 / self.settings.samples_per_pixel as f32;
@@ -359,6 +366,21 @@ impl<'a> TileRenderer<'a> {
                 .extend(traced.iter().map(|&light| (light, index)));
         }
         self.traced.sort_unstable();
+    }
+
+    /// All lights, by adaptive shadow testing.
+    fn ward(
+        &mut self,
+        threshold: f32,
+        points: &[ShadingPoint<'_>],
+        sums: &mut [Vec3],
+    ) -> Option<()> {
+        let points = points
+            .iter()
+            .map(|point| (point.pixel, self.light_points(point)));
+        let traced = ward::shade(self.world, threshold, points, sums, self.cancelled)?;
+        self.stats.shadow_rays += traced;
+        Some(())
     }
 
     fn light_points<'p>(&self, point: &'p ShadingPoint<'_>) -> LightPoints<'p> {

@@ -71,14 +71,17 @@ fn gather_rays(
     rays: &mut Vec<ShadowRay>,
 ) {
     let mut exact = None;
+    let mut beside = 0.0;
     let before = rays.len();
     let shadow_ray = |ray: &LightRay| ShadowRay {
         point,
         ray: ray.ray,
         weight: ray.weight(),
+        beside: 0.0,
     };
     world.for_each_light_ray(light, light_points, |ray| {
         if ray.exact {
+            beside += ray.weight();
             exact = Some(shadow_ray(&ray));
         } else {
             rays.push(shadow_ray(&ray));
@@ -87,6 +90,9 @@ fn gather_rays(
     // Exact rays tell something only where there are no others: that the light is there.
     if rays.len() == before {
         rays.extend(exact);
+    }
+    for ray in &mut rays[before..] {
+        ray.beside = beside;
     }
 }
 

@@ -90,10 +90,8 @@ impl<V: Visibility> Observer<'_, V> {
         self.observations[points[lane] as usize]
             .outcomes
             .push(Outcome {
-                light,
                 blocker: Some(triangle),
-                rays: 1,
-                importance: 0.0,
+                ..Outcome::of(light)
             });
         Some(true)
     }

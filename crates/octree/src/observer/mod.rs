@@ -290,26 +290,40 @@ impl<'a, V: Visibility> Observer<'a, V> {
                 .evidence(light)
                 .is_some_and(LightEvidence::is_past_listing)
             {
-                count(&mut seen.outcomes, light, fates, weight);
+                count(&mut seen.outcomes, light, group, fates, weight);
             }
         }
     }
 }
 
 /// Adds one outcome for each different fate.
-fn count(outcomes: &mut Vec<Outcome>, light: u32, fates: &[Fate], importance: f32) {
+fn count(
+    outcomes: &mut Vec<Outcome>,
+    light: u32,
+    rays: &[ShadowRay],
+    fates: &[Fate],
+    importance: f32,
+) {
     let first = outcomes.len();
-    for fate in fates {
+    for (ray, fate) in rays.iter().zip(fates) {
+        let luminance = match fate.blocker {
+            None => ray.weight,
+            Some(_) => 0.0,
+        };
         let same = outcomes[first..]
             .iter_mut()
             .find(|outcome| outcome.blocker == fate.blocker);
         match same {
-            Some(outcome) => outcome.rays += 1,
+            Some(outcome) => {
+                outcome.rays += 1;
+                outcome.luminance += luminance;
+            }
             None => outcomes.push(Outcome {
-                light,
                 blocker: fate.blocker,
-                rays: 1,
                 importance,
+                luminance,
+                beside: ray.beside,
+                ..Outcome::of(light)
             }),
         }
     }
