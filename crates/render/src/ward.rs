@@ -13,7 +13,7 @@ use lie_geom::Ray;
 use crate::{LightPoints, LightRay, World};
 
 /// Points that are tested together, so that rays to one light share packets.
-const TOGETHER: usize = 16;
+const TOGETHER: usize = 64;
 
 /// Adds the light of all lights at some points to their pixels' sums, and returns how many
 /// shadow rays that took; `None` if `cancelled` became true on the way.
@@ -37,6 +37,7 @@ pub(crate) fn shade<'p>(
         threshold,
         rays: vec![],
         points: vec![],
+        queue: vec![],
         traced: 0,
     };
     let mut points = points.peekable();
@@ -63,6 +64,8 @@ struct Testing<'a> {
     /// tracer adds them: the lights' own samples, then those that follow the lobe.
     rays: Vec<(LightRay, Fate)>,
     points: Vec<Point>,
+    /// Indices of the rays to be traced next.
+    queue: Vec<usize>,
     traced: u64,
 }
 
@@ -81,6 +84,8 @@ struct Point {
     lights: Vec<Candidate>,
     /// How many of them have been tested.
     tested: usize,
+    /// How many will have been after this round.
+    due: usize,
     /// Luminance that the tested ones give.
     seen: f32,
     clear_rays: u32,
@@ -138,30 +143,34 @@ impl Testing<'_> {
             rays: first..rays.len(),
             lights,
             tested: 0,
+            due: 0,
             seen: 0.0,
             clear_rays: 0,
             tested_rays: 0,
         });
     }
 
-    /// Tests the next light of each point that is not done. Says whether there was any.
+    /// Tests the lights of each point that are sure to be tested next. Says whether there
+    /// were any.
     fn round(&mut self) -> bool {
-        let mut queue = vec![];
-        for point in &self.points {
-            if let Some(candidate) = point.next(self.threshold) {
-                queue.extend(candidate.rays.iter().flat_map(Range::clone));
-            }
+        let mut queue = std::mem::take(&mut self.queue);
+        queue.clear();
+        for point in &mut self.points {
+            point.due = point.tested + point.sure(self.threshold);
+            let due = &point.lights[point.tested..point.due];
+            queue.extend(due.iter().flat_map(Candidate::all_rays));
         }
+        // Rays to one light share packets. Stable: so do those of neighbours.
+        queue.sort_by_key(|&index| self.rays[index].0.light);
         for packet in queue.chunks(PACKET) {
             self.trace(packet);
         }
         self.traced += queue.len() as u64;
         for point in &mut self.points {
-            if point.next(self.threshold).is_some() {
-                point.conclude(&self.rays);
-            }
+            point.conclude(&self.rays);
         }
-        !queue.is_empty()
+        self.queue = queue;
+        !self.queue.is_empty()
     }
 
     fn trace(&mut self, indices: &[usize]) {
@@ -194,26 +203,41 @@ impl Testing<'_> {
     }
 }
 
+impl Candidate {
+    fn all_rays(&self) -> impl Iterator<Item = usize> {
+        self.rays.iter().flat_map(Range::clone)
+    }
+}
+
 impl Point {
-    /// The light to be tested next; `None` if the rest gives too little to matter.
-    fn next(&self, threshold: f32) -> Option<&Candidate> {
-        let next = self.lights.get(self.tested)?;
-        // Not `<=`: with a threshold of 0 every light is tested.
-        let is_little = next.rest < threshold * self.seen;
-        (!is_little).then_some(next)
+    /// How many of the next lights will be tested whatever becomes of those among them: as
+    /// many as would be if all of them were clear. None if the rest gives too little to matter.
+    fn sure(&self, threshold: f32) -> usize {
+        let mut most = self.seen;
+        let is_sure = |candidate: &&Candidate| {
+            // Not `>`: with a threshold of 0 every light is tested.
+            let matters = candidate.rest >= threshold * most;
+            most += candidate.potential;
+            matters
+        };
+        self.lights[self.tested..]
+            .iter()
+            .take_while(is_sure)
+            .count()
     }
 
-    /// Takes in what became of the next light's rays.
+    /// Takes in what became of the rays to the lights that were due.
     fn conclude(&mut self, rays: &[(LightRay, Fate)]) {
-        let ranges = self.lights[self.tested].rays.clone();
-        for (ray, fate) in ranges.into_iter().flat_map(|range| &rays[range]) {
+        let due = &self.lights[self.tested..self.due];
+        for index in due.iter().flat_map(Candidate::all_rays) {
+            let (ray, fate) = &rays[index];
             self.tested_rays += 1;
             if *fate == Fate::Clear {
                 self.clear_rays += 1;
                 self.seen += ray.weight();
             }
         }
-        self.tested += 1;
+        self.tested = self.due;
     }
 }
 
