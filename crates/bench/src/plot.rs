@@ -35,6 +35,9 @@ pub struct Axes<'a> {
     pub floor: f64,
 }
 
+/// What bars leave free above them, for the legend.
+const HEADROOM: f64 = 1.4;
+
 /// Pixels of a plot.
 const SIZE: (u32, u32) = (720, 420);
 
@@ -68,7 +71,7 @@ pub fn bars(title: &str, axis: &str, groups: &[Group]) -> Result<Option<String>,
     if top <= 0.0 {
         return Ok(None);
     }
-    draw(|area| draw_bars(area, (title, axis), groups, &names, 1.1 * top)).map(Some)
+    draw(|area| draw_bars(area, (title, axis), groups, &names, HEADROOM * top)).map(Some)
 }
 
 /// Curves over logarithmic axes; `None` if there is nothing to show. Points that are not
@@ -110,7 +113,7 @@ pub fn curves(axes: &Axes<'_>, curves: &[Curve]) -> Result<Option<String>, Bench
             .y_desc(axes.y)
             .x_label_formatter(&|&value| short(value))
             .y_label_formatter(&|&value| short(value))
-            .light_line_style(WHITE)
+            .max_light_lines(0)
             .bold_line_style(BLACK.mix(0.12))
             .draw()
             .map_err(failed)?;
@@ -173,7 +176,7 @@ fn draw_bars(
         .x_labels(2 * groups.len() + 1)
         .x_label_formatter(&label)
         .y_desc(axis)
-        .light_line_style(WHITE)
+        .max_light_lines(0)
         .bold_line_style(BLACK.mix(0.12))
         .draw()
         .map_err(failed)?;
@@ -215,13 +218,14 @@ where
         .map_err(failed)
 }
 
-/// The range of some values, widened to whole decades so that it is never empty.
+/// The range of some values, widened to whole decades so that it is never empty, and a hair
+/// more: a decade that is the edge itself may lose its label to rounding.
 fn decades(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let (min, max) = values.fold((f64::MAX, f64::MIN_POSITIVE), |(min, max), value| {
         (min.min(value), max.max(value))
     });
     let (low, high) = (min.log10().floor(), max.log10().ceil());
-    10f64.powf(low)..10f64.powf(high.max(low + 1.0))
+    0.999 * 10f64.powf(low)..1.001 * 10f64.powf(high.max(low + 1.0))
 }
 
 fn short(value: f64) -> String {
@@ -296,7 +300,13 @@ mod tests {
 
     #[test]
     fn ranges_are_whole_decades() {
-        assert_eq!(decades([0.02, 3.0].into_iter()), 0.01..10.0);
-        assert_eq!(decades([1.0].into_iter()), 1.0..10.0);
+        let whole = |values: &[f64]| {
+            let range = decades(values.iter().copied());
+            (range.start.log10().round(), range.end.log10().round())
+        };
+        assert_eq!(whole(&[0.02, 3.0]), (-2.0, 1.0));
+        assert_eq!(whole(&[1.0]), (0.0, 1.0));
+        let range = decades([0.1, 1.0].into_iter());
+        assert!(range.start < 0.1 && range.end > 1.0);
     }
 }

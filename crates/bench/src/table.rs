@@ -103,9 +103,12 @@ pub(crate) fn percent(value: f64) -> String {
     }
 }
 
-/// Bytes, in millions.
-pub(crate) fn megabytes(bytes: u64) -> String {
-    format!("{:.2} MB", bytes as f64 * 1.0e-6)
+/// Bytes, in thousands or millions.
+pub(crate) fn memory(bytes: u64) -> String {
+    match bytes as f64 {
+        bytes if bytes < 1.0e6 => format!("{:.1} kB", bytes * 1.0e-3),
+        bytes => format!("{:.1} MB", bytes * 1.0e-6),
+    }
 }
 
 /// What there is, or a dash.

@@ -3,9 +3,9 @@
 use serde_json::{Value, json};
 
 use crate::{
-    BenchError, Figure, FrameRow, Picture, Section, Table, paper,
+    BenchError, Contender, Figure, FrameRow, Picture, Section, Table, paper,
     plot::{self, Group},
-    table::{megabytes, ms, or_dash, percent, times},
+    table::{memory, ms, or_dash, percent, times},
 };
 
 /// The table, the paper's figures beside ours.
@@ -43,7 +43,7 @@ pub fn table(rows: &[FrameRow]) -> Table {
             percent(row.relative_rmse),
             format!("{:.5}", row.flip_mean),
             or_dash(lies.then_some(row.trusted_fraction), percent),
-            or_dash(lies.then_some(row.lie_bytes), megabytes),
+            or_dash(lies.then_some(row.lie_bytes), memory),
             or_dash(paper, |paper| format!("{:.2}", paper.frame_s)),
             or_dash(paper, |paper| format!("{:.1}×", paper.speedup)),
         ]);
@@ -99,7 +99,13 @@ pub fn section(rows: &[FrameRow]) -> Result<Section, BenchError> {
         Some((format!("{}, paper", row.contender.name()), speedup))
     };
     let times = groups(&widest, |row| time(row).into_iter().collect());
-    let speedups = groups(&widest, |row| {
+    // The standard's is always one.
+    let accelerated: Vec<&FrameRow> = widest
+        .iter()
+        .filter(|row| row.contender != Contender::Standard)
+        .copied()
+        .collect();
+    let speedups = groups(&accelerated, |row| {
         ours(row).into_iter().chain(papers(row)).collect()
     });
     let figure = |name: &str, caption: &str, title: &str, axis: &str, groups: &[Group]| {
@@ -164,7 +170,7 @@ fn groups(rows: &[&FrameRow], bars: impl Fn(&FrameRow) -> Vec<(String, f64)>) ->
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::{Contender, Spread, Stages};
+    use crate::{Spread, Stages};
 
     pub(crate) fn rows() -> Vec<FrameRow> {
         let row = |contender: Contender, median: f64| FrameRow {
@@ -203,7 +209,7 @@ pub(crate) mod tests {
         let text = table(&rows()).text();
         let lie = text.lines().last().unwrap();
         for part in [
-            "bar", "lie", "100", "3.00×", "0.1000 %", "1.50 MB", "0.69", "14.6×",
+            "bar", "lie", "100", "3.00×", "0.1000 %", "1.5 MB", "0.69", "14.6×",
         ] {
             assert!(lie.contains(part), "{part} in {lie}");
         }

@@ -5,7 +5,7 @@ use crate::{
     BenchError, Figure, Picture, Section, Table,
     plot::{self, Axes, Curve},
     report::file_stem,
-    table::{megabytes, ms, or_dash, percent},
+    table::{memory, ms, or_dash, percent},
 };
 
 /// All marks.
@@ -64,7 +64,7 @@ pub fn summary_table(summary: &[ConvergeSummary]) -> Table {
             ms(line.last_frame_ms),
             percent(line.last_frame_relative_rmse),
             or_dash(line.worst_walk_relative_rmse, percent),
-            megabytes(line.lie_bytes),
+            memory(line.lie_bytes),
         ]);
     }
     table
@@ -134,7 +134,7 @@ pub fn section(rows: &[ConvergeRow], summary: &[ConvergeSummary]) -> Result<Sect
              the LIEs so far, on a clock of its own. Mode *paper* relies on what little is known; mode \
              *trust* traces what is in doubt. Errors are relative RMSE against the standard's picture. A \
              view has converged when a pass over it changed its picture by less than the tolerance and 99 % of its \
-             light evaluations are trusted; a dash says that this did not happen in the passes or the time given."
+             light evaluations are answered by the LIEs, which in places with very many occluders they never are; a dash says that this did not happen in the passes or the time given."
                 .to_owned(),
             "The worst of the walk is the largest error among frames a quarter of a second apart, from the \
              middle of the scene's first walkthrough: LIEs start from nothing with four passes over the view before the \
