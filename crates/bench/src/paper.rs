@@ -1,7 +1,8 @@
 //! What the paper measured: LIE §6, Tables 1 and 2.
 //!
-//! In Java on ten dual-processor Pentium 4 at 1.7 GHz, 512 × 512 pixels, LIEs mostly converged. Its models are
-//! not ours, which are made by rule after them: ratios may be compared, seconds may not.
+//! In Java on ten dual-processor Pentium 4 at 1.7 GHz, 512 × 512 pixels, LIEs mostly
+//! converged. Its models are not ours, which are made by rule after them: ratios may be
+//! compared, seconds may not.
 
 use crate::Contender;
 

@@ -85,6 +85,19 @@ fn row_json(row: &FrameRow) -> Value {
     })
 }
 
+/// What the section's reader has to know.
+const ABOUT: [&str; 2] = [
+    "Each time is the median of the frame alone, construction not counted; the integrators \
+     render in turn within one run. A speed-up is the median of the ratios of frames that \
+     followed each other. Errors are against the standard's picture: root mean square error \
+     of linear radiance divided by its mean, and mean FLIP at the scene's exposure. *Trusted* \
+     is the share of light evaluations that the LIEs answered without a ray through the \
+     scene; *LIEs* is their memory with all evidence.",
+    "The paper's columns are LIE §6, Table 1: Java on ten dual-processor Pentium 4 at 1.7 GHz, \
+     and models that ours are only made after. It gives no errors. Ratios may be compared, \
+     seconds may not.",
+];
+
 /// The section of a report.
 ///
 /// # Errors
@@ -132,19 +145,7 @@ pub fn section(rows: &[FrameRow]) -> Result<Section, BenchError> {
     )?;
     Ok(Section {
         heading: "Table 1: frames".to_owned(),
-        paragraphs: vec![
-            "Each time is the median of the frame alone, construction not counted; the integrators \
-             render in turn within one run. A speed-up is the median of the ratios of frames that \
-             followed each other. Errors are against the standard's picture: root mean square \
-             error of linear radiance divided by its mean, and mean FLIP at the scene's \
-             exposure. *Trusted* is the share of light evaluations that the LIEs answered without a ray \
-             through the scene; *LIEs* their memory with all evidence."
-                .to_owned(),
-            "The paper's columns are from LIE §6, Table 1: Java on ten dual-processor Pentium 4 at \
-             1.7 GHz, and models that ours are only made after. It gives no errors. Ratios may be compared, seconds \
-             may not."
-                .to_owned(),
-        ],
+        paragraphs: ABOUT.map(str::to_owned).to_vec(),
         tables: vec![table(rows)],
         figures: time.into_iter().chain(speedup).collect(),
     })

@@ -90,6 +90,15 @@ fn row_json(row: &FrameRow) -> Value {
     })
 }
 
+/// What the section's reader has to know.
+const ABOUT: [&str; 2] = [
+    "Frames with LIEs, without masking. Stages are measured on each thread and shared out \
+     among the threads; the total is the frame's time on the wall, with what lies between the \
+     stages. *Traced* are shadow rays through the whole scene, for lights that are not \
+     trusted yet; the paper has none.",
+    "The paper's column is LIE §6, Table 2.",
+];
+
 /// The section of a report.
 ///
 /// # Errors
@@ -119,14 +128,7 @@ pub fn section(rows: &[FrameRow]) -> Result<Section, BenchError> {
     });
     Ok(Section {
         heading: "Table 2: where a frame's time goes".to_owned(),
-        paragraphs: vec![
-            "Frames with LIEs, without masking. Stages are measured on each thread and shared out \
-             among the threads; the total is the frame's time on the wall, with what lies \
-             between the stages. *Traced* are shadow rays through the whole scene, for lights that are not \
-             trusted yet; the paper has none."
-                .to_owned(),
-            "The paper's column is LIE §6, Table 2.".to_owned(),
-        ],
+        paragraphs: ABOUT.map(str::to_owned).to_vec(),
         tables: vec![table(rows)],
         figures: figure.into_iter().collect(),
     })

@@ -50,9 +50,6 @@ impl Subject {
             let camera = args::find_camera(&scene, self.camera.as_deref())
                 .map_err(|error| usage(format!("{path}: {error}")))?
                 .clone();
-            if scene.lights.is_empty() {
-                tracing::warn!("{path}: the scene has no lights: its pictures will be black");
-            }
             // Rows are told apart by their scenes' names.
             if loaded.iter().any(|other| other.scene.name == scene.name) {
                 let message = format!("{path}: another scene is called '{}' too", scene.name);

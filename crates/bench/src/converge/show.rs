@@ -116,6 +116,21 @@ pub fn summary_json(summary: &[ConvergeSummary]) -> Value {
     summary.iter().map(line).collect()
 }
 
+/// What the section's reader has to know.
+const ABOUT: [&str; 2] = [
+    "LIEs of a view, constructed from nothing on all threads. At each mark a frame is \
+     rendered with the LIEs so far, on a clock of its own. Mode *paper* relies on what little \
+     is known; mode *trust* traces what is in doubt. Errors are relative RMSE against the \
+     standard's picture. A view has converged when a pass over it changed its picture by less \
+     than the tolerance and the LIEs answer 99 % of its light evaluations; a dash says that \
+     this did not happen in the passes or the time given. Where very many occluders are in \
+     the way the scene itself is asked for good, in both modes, and a view of such places \
+     does not converge by this measure.",
+    "The worst of the walk is the largest error among frames a quarter of a second apart, \
+     from the middle of the scene's first walkthrough on: LIEs start from nothing with four \
+     passes over the view before the first, and then get a quarter of a pass before each frame.",
+];
+
 /// The section of a report.
 ///
 /// # Errors
@@ -129,18 +144,7 @@ pub fn section(rows: &[ConvergeRow], summary: &[ConvergeSummary]) -> Result<Sect
     }
     Ok(Section {
         heading: "Convergence from a cold start".to_owned(),
-        paragraphs: vec![
-            "LIEs of a view, constructed from nothing on all threads. At each mark a frame is rendered with \
-             the LIEs so far, on a clock of its own. Mode *paper* relies on what little is known; mode \
-             *trust* traces what is in doubt. Errors are relative RMSE against the standard's picture. A \
-             view has converged when a pass over it changed its picture by less than the tolerance and 99 % of its \
-             light evaluations are answered by the LIEs, which in places with very many occluders they never are; a dash says that this did not happen in the passes or the time given."
-                .to_owned(),
-            "The worst of the walk is the largest error among frames a quarter of a second apart, from the \
-             middle of the scene's first walkthrough: LIEs start from nothing with four passes over the view before the \
-             first, and then get a quarter of a pass before each frame."
-                .to_owned(),
-        ],
+        paragraphs: ABOUT.map(str::to_owned).to_vec(),
         tables: vec![summary_table(summary), table(rows)],
         figures,
     })
