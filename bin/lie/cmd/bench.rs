@@ -7,7 +7,7 @@ use std::{path::PathBuf, time::Duration};
 
 use clap::{Args, Subcommand};
 use lie_bench::{
-    Contender, Effort, Figure, FrameRow, FramesConfig, SceneFrames, Section, Stage, construct,
+    Contender, Effort, Figure, FrameRow, FramesConfig, Lineup, SceneFrames, Section, Stage,
     converge::{self, ConvergeConfig, Convergence},
     measure_frames, table1, table2,
 };
@@ -273,7 +273,6 @@ impl Frames {
         let config = FramesConfig {
             threads: self.threads()?,
             repeat: self.repeat,
-            contenders: contenders.to_vec(),
         };
         let max_passes = MAX_PASSES;
         let until_converged = Effort::UntilConverged { max_passes };
@@ -281,12 +280,12 @@ impl Frames {
         let bar = progress_bar();
         let tell = teller(&bar);
         let settings = construct_settings(&self.construction, stage);
-        let constructed = construct(stage, settings, effort, &tell)?;
-        if !constructed.report.converged && effort == until_converged {
+        let lineup = Lineup::construct(stage, contenders, settings, effort, &tell)?;
+        if !lineup.has_converged() && effort == until_converged {
             let name = stage.name();
             tracing::warn!("{name}: the view has not converged after {MAX_PASSES} passes");
         }
-        let frames = measure_frames(stage, &constructed, &config, &tell)?;
+        let frames = measure_frames(stage, &lineup, &config, &tell)?;
         bar.finish_and_clear();
         Ok(frames)
     }

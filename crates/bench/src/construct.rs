@@ -1,8 +1,8 @@
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 use lie_farm::{BatchReport, Builder, ConstructSettings, LieReplica, PublishedLies};
 
-use crate::{BenchError, Progress, Stage, race::milliseconds};
+use crate::{BenchError, Contender, Progress, Stage, race::milliseconds};
 
 /// How much construction a view gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,25 +16,70 @@ pub enum Effort {
     Samples(u64),
 }
 
-/// LIEs of a view, and what they took.
-pub struct Constructed {
-    /// As shaders have them.
-    pub lies: PublishedLies,
-    /// What the last batch said.
-    pub report: BatchReport,
-    /// Time of construction.
-    pub construct_ms: f64,
-    /// Memory of the constructor's tree, evidence included.
-    pub tree_bytes: u64,
-    /// Memory of a shader's cells.
-    pub shader_bytes: u64,
+/// Contenders, and the LIEs that they ask.
+pub struct Lineup(Vec<(Contender, Option<Arc<Constructed>>)>);
+
+impl Lineup {
+    /// Constructs what these contenders need for a view, each from the usual settings.
+    ///
+    /// # Errors
+    /// If threads cannot be started.
+    pub fn construct(
+        stage: &Stage,
+        contenders: &[Contender],
+        usual: ConstructSettings,
+        effort: Effort,
+        progress: &Progress<'_>,
+    ) -> Result<Self, BenchError> {
+        let mut lineup: Vec<(Contender, Option<Arc<Constructed>>)> = vec![];
+        for &contender in contenders {
+            let lies = match contender.construction(usual) {
+                None => None,
+                Some(settings) => {
+                    let known = lineup.iter().filter_map(|(_, lies)| lies.as_ref());
+                    let equal = known.into_iter().find(|lies| lies.settings == settings);
+                    Some(match equal {
+                        Some(lies) => lies.clone(),
+                        None => Arc::new(construct(stage, settings, effort, progress)?),
+                    })
+                }
+            };
+            lineup.push((contender, lies));
+        }
+        Ok(Self(lineup))
+    }
+
+    /// Each contender, with its LIEs if it asks any.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (Contender, Option<&Constructed>)> {
+        self.0
+            .iter()
+            .map(|(contender, lies)| (*contender, lies.as_deref()))
+    }
+
+    /// Whether the view converged for each of them.
+    #[must_use]
+    pub fn has_converged(&self) -> bool {
+        self.iter()
+            .all(|(_, lies)| lies.is_none_or(|lies| lies.converged))
+    }
 }
 
-/// Constructs LIEs for a view.
-///
-/// # Errors
-/// If threads cannot be started.
-pub fn construct(
+/// LIEs of a view, and what they took.
+pub(crate) struct Constructed {
+    settings: ConstructSettings,
+    /// As shaders have them.
+    pub(crate) lies: PublishedLies,
+    /// Whether the view converged.
+    pub(crate) converged: bool,
+    /// Time of construction.
+    pub(crate) construct_ms: f64,
+    /// Memory of the constructor's tree, evidence included.
+    pub(crate) tree_bytes: u64,
+    /// Memory of a shader's cells.
+    pub(crate) shader_bytes: u64,
+}
+
+fn construct(
     stage: &Stage,
     settings: ConstructSettings,
     effort: Effort,
@@ -61,10 +106,11 @@ pub fn construct(
     let construct_ms = milliseconds(clock.elapsed());
     let lies = LieReplica::of(stage.world().clone(), builder.tree()).publish();
     Ok(Constructed {
+        settings,
         shader_bytes: lies.bytes(),
         tree_bytes: builder.tree().stats().bytes,
         lies,
-        report,
+        converged: report.converged,
         construct_ms,
     })
 }

@@ -1,4 +1,4 @@
-use lie_farm::PublishedLies;
+use lie_farm::{ConstructSettings, PublishedLies};
 use lie_render::{Film, LieLookup, RenderStats, render_frame};
 
 use crate::Stage;
@@ -25,29 +25,30 @@ impl Contender {
         }
     }
 
-    /// Whether it asks the LIEs.
+    /// Whether it asks LIEs.
     #[must_use]
     pub fn uses_lies(self) -> bool {
+        self != Self::Standard
+    }
+
+    /// How its LIEs are constructed, if it asks any. Contenders whose settings are equal
+    /// share them.
+    pub(crate) fn construction(self, usual: ConstructSettings) -> Option<ConstructSettings> {
         match self {
-            Self::Standard => false,
-            Self::Lie => true,
+            Self::Standard => None,
+            Self::Lie => Some(usual),
         }
     }
 
-    /// Renders a frame on rayon's current threads.
+    /// Renders a frame on rayon's current threads, asking these LIEs.
     pub(crate) fn render(
         self,
         stage: &Stage,
-        lies: &PublishedLies,
+        lies: Option<&PublishedLies>,
         progress: &mut (dyn FnMut(f32) + Send),
     ) -> (Film, RenderStats) {
-        let lookup = self.uses_lies().then_some(lies as &dyn LieLookup);
-        render_frame(
-            stage.world(),
-            lookup,
-            stage.camera(),
-            stage.settings(),
-            progress,
-        )
+        let lookup = lies.map(|lies| lies as &dyn LieLookup);
+        let (world, camera) = (stage.world(), stage.camera());
+        render_frame(world, lookup, camera, stage.settings(), progress)
     }
 }

@@ -1,8 +1,9 @@
 use lie_render::{AccelKind, Film, compare};
 
 use crate::{
-    BenchError, Constructed, Contender, Progress, Spread, Stage, Stages,
-    race::{Entrant, Runs, pool, race, timed},
+    BenchError, Contender, Lineup, Progress, Spread, Stage, Stages,
+    construct::Constructed,
+    race::{Entrant, Render, Runs, pool, race, timed},
 };
 
 /// What is measured of a view.
@@ -12,8 +13,6 @@ pub struct FramesConfig {
     pub threads: Vec<usize>,
     /// Frames of each contender.
     pub repeat: u32,
-    /// Who renders, in turn.
-    pub contenders: Vec<Contender>,
 }
 
 /// One contender on so many threads.
@@ -64,105 +63,70 @@ pub struct SceneFrames {
     pub picture: Film,
 }
 
-/// Renders a view by some contenders, in turn, and compares each with the standard.
+/// Renders a view by a line-up, in turn, and compares each with the standard.
 ///
 /// # Errors
 /// If threads cannot be started.
 pub fn measure_frames(
     stage: &Stage,
-    constructed: &Constructed,
+    lineup: &Lineup,
     config: &FramesConfig,
     progress: &Progress<'_>,
 ) -> Result<SceneFrames, BenchError> {
-    let most = config.threads.iter().copied().max().unwrap_or(0);
     let mut picture = Film::new(stage.settings().size);
     let mut reference: Option<Film> = None;
     let mut rows = vec![];
     for &threads in &config.threads {
         let pool = pool(threads)?;
-        warm_up(stage, constructed, config, &pool);
-        let entrants = entrants(stage, constructed, &config.contenders);
-        let runs = race(&pool, config.repeat, &entrants, progress);
-        let mut finishers = config.contenders.iter().zip(&runs);
-        let standard = finishers.find(|(contender, _)| **contender == Contender::Standard);
+        // The first frame of a run is slower than the others; a small one will do for that.
+        race(&pool, 1, &entrants(&stage.thumbnail(), lineup), &|_, _| {});
+        let runs = race(&pool, config.repeat, &entrants(stage, lineup), progress);
+        let mut finishers = lineup.iter().zip(&runs);
+        let standard = finishers.find(|((contender, _), _)| *contender == Contender::Standard);
         let standard = standard.map(|(_, runs)| runs);
         // Pictures do not depend on the number of threads: one reference is enough.
-        if reference.is_none() {
-            reference = Some(match standard {
-                Some(standard) => standard.film.clone(),
-                None => render_reference(stage, constructed, most, progress)?,
-            });
-        }
-        for (&contender, runs) in config.contenders.iter().zip(&runs) {
-            let reference = reference.as_ref().unwrap_or(&runs.film);
-            let speedup = standard.and_then(|standard| runs.speedup_over(standard));
-            let mut row = row(stage, contender, pool.current_num_threads(), runs);
-            row.speedup = speedup;
+        let reference = reference.get_or_insert_with(|| match standard {
+            Some(standard) => standard.film.clone(),
+            None => render_reference(stage, &pool, progress),
+        });
+        for ((contender, lies), runs) in lineup.iter().zip(&runs) {
             let figures = compare(&runs.film, reference, stage.exposure_stops())?;
-            (row.relative_rmse, row.flip_mean) = (figures.relative_rmse, figures.flip_mean);
-            if contender.uses_lies() {
-                row.lie_bytes = constructed.tree_bytes;
-                row.shader_bytes = constructed.shader_bytes;
-                row.construct_ms = constructed.construct_ms;
-                row.converged = constructed.report.converged;
-            }
-            rows.push(row);
+            rows.push(FrameRow {
+                threads: pool.current_num_threads(),
+                speedup: standard.and_then(|standard| runs.speedup_over(standard)),
+                relative_rmse: figures.relative_rmse,
+                flip_mean: figures.flip_mean,
+                ..row(stage, contender, lies, runs)
+            });
         }
         picture = runs.into_iter().next_back().map_or(picture, |run| run.film);
     }
     Ok(SceneFrames { rows, picture })
 }
 
-fn entrants<'a>(
-    stage: &'a Stage,
-    constructed: &'a Constructed,
-    contenders: &[Contender],
-) -> Vec<Entrant<'a>> {
-    let entrant = |&contender: &Contender| Entrant {
+fn entrants<'a>(stage: &'a Stage, lineup: &'a Lineup) -> Vec<Entrant<'a>> {
+    let entrant = |(contender, lies): (Contender, Option<&'a Constructed>)| Entrant {
         name: format!("{}: {}", stage.name(), contender.name()),
-        render: Box::new(move |tell| contender.render(stage, &constructed.lies, tell)),
+        render: Box::new(move |tell| contender.render(stage, lies.map(|lies| &lies.lies), tell)),
     };
-    contenders.iter().map(entrant).collect()
+    lineup.iter().map(entrant).collect()
 }
 
-/// The first frame of a run is slower than the others; a small one will do for that.
-fn warm_up(
-    stage: &Stage,
-    constructed: &Constructed,
-    config: &FramesConfig,
-    pool: &rayon::ThreadPool,
-) {
-    let small = stage.thumbnail();
-    race(
-        pool,
-        1,
-        &entrants(&small, constructed, &config.contenders),
-        &|_, _| {},
-    );
-}
-
-fn render_reference(
-    stage: &Stage,
-    constructed: &Constructed,
-    threads: usize,
-    progress: &Progress<'_>,
-) -> Result<Film, BenchError> {
-    let entrants = entrants(stage, constructed, &[Contender::Standard]);
+fn render_reference(stage: &Stage, pool: &rayon::ThreadPool, progress: &Progress<'_>) -> Film {
+    let render: Render<'_> = Box::new(|tell| Contender::Standard.render(stage, None, tell));
     let what = format!("{}: reference", stage.name());
-    let tell = |share: f32| progress(&what, share);
-    let (film, _, _) = timed(&pool(threads)?, &entrants[0].render, &tell);
-    Ok(film)
+    timed(pool, &render, &|share| progress(&what, share)).0
 }
 
 /// What a contender's own frames say.
-fn row(stage: &Stage, contender: Contender, threads: usize, runs: &Runs) -> FrameRow {
+fn row(stage: &Stage, contender: Contender, lies: Option<&Constructed>, runs: &Runs) -> FrameRow {
     FrameRow {
         scene: stage.name().to_owned(),
         path: stage.path().to_owned(),
         camera: stage.camera().name.clone(),
         accel: stage.accel(),
         contender,
-        threads,
+        threads: 0,
         frame_ms: runs.frame_ms(),
         speedup: None,
         stages: runs.stages(),
@@ -170,9 +134,9 @@ fn row(stage: &Stage, contender: Contender, threads: usize, runs: &Runs) -> Fram
         flip_mean: 0.0,
         trusted_fraction: runs.stats.trusted_fraction(),
         shadow_rays: runs.stats.shadow_rays,
-        lie_bytes: 0,
-        shader_bytes: 0,
-        construct_ms: 0.0,
-        converged: false,
+        lie_bytes: lies.map_or(0, |lies| lies.tree_bytes),
+        shader_bytes: lies.map_or(0, |lies| lies.shader_bytes),
+        construct_ms: lies.map_or(0.0, |lies| lies.construct_ms),
+        converged: lies.is_some_and(|lies| lies.converged),
     }
 }

@@ -2,7 +2,7 @@
 //! from a cold start to a converged picture, and what is written about them.
 //!
 //! * [`Stage`] is a view of a scene, ready to be measured; [`Contender`] what renders it.
-//! * [`measure_frames`] renders a view by several contenders in turn: [`table1`] and
+//! * [`measure_frames`] renders a view by a [`Lineup`] of contenders in turn: [`table1`] and
 //!   [`table2`] make the paper's tables of its [`FrameRow`]s, with the paper's own figures
 //!   ([`paper`]) beside ours.
 //! * [`converge`] follows error and frame time while LIEs are constructed.
@@ -13,7 +13,7 @@
 //!
 //! ```no_run
 //! use std::sync::Arc;
-//! use lie_bench::{Contender, Effort, FramesConfig, Stage, construct, measure_frames, table1};
+//! use lie_bench::{Contender, Effort, FramesConfig, Lineup, Stage, measure_frames, table1};
 //! use lie_farm::ConstructSettings;
 //! use lie_render::AccelKind;
 //!
@@ -24,9 +24,9 @@
 //! let stage = Stage::new("scenes/bar", scene, camera, size, AccelKind::default());
 //! let settings = ConstructSettings::new(&stage.world().scene().settings);
 //! let effort = Effort::UntilConverged { max_passes: 64 };
-//! let lies = construct(&stage, settings, effort, &|_, _| {})?;
-//! let config = FramesConfig { threads: vec![1, 2], repeat: 3, contenders: Contender::ALL.to_vec() };
-//! let frames = measure_frames(&stage, &lies, &config, &|_, _| {})?;
+//! let lineup = Lineup::construct(&stage, Contender::ALL, settings, effort, &|_, _| {})?;
+//! let config = FramesConfig { threads: vec![1, 2], repeat: 3 };
+//! let frames = measure_frames(&stage, &lineup, &config, &|_, _| {})?;
 //! println!("{}", table1::table(&frames.rows).text());
 //! # Ok::<(), lie_bench::BenchError>(())
 //! ```
@@ -48,7 +48,7 @@ pub mod plot;
 pub mod table1;
 pub mod table2;
 
-pub use construct::{Constructed, Effort, construct};
+pub use construct::{Effort, Lineup};
 pub use contender::Contender;
 pub use error::BenchError;
 pub use frames::{FrameRow, FramesConfig, SceneFrames, measure_frames};

@@ -81,7 +81,7 @@ pub(super) fn render_now(
 ) -> (Film, RenderStats, f64) {
     let lies = LieReplica::of(stage.world().clone(), builder.tree()).publish();
     let render: crate::race::Render<'_> =
-        Box::new(|tell| Contender::Lie.render(stage, &lies, tell));
+        Box::new(|tell| Contender::Lie.render(stage, Some(&lies), tell));
     timed(bench.pool, &render, &|share| {
         bench.tell(mode, "frame", share);
     })

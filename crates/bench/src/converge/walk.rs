@@ -116,9 +116,7 @@ fn learn(
 }
 
 fn render_standard(bench: &Bench<'_>, mode: Mode, stage: &Stage) -> Film {
-    let nothing = lie_farm::LieReplica::new(stage.world().clone(), bench.config.construct.lie);
-    let nothing = nothing.publish();
-    let render: Render<'_> = Box::new(|tell| Contender::Standard.render(stage, &nothing, tell));
+    let render: Render<'_> = Box::new(|tell| Contender::Standard.render(stage, None, tell));
     let tell = |share: f32| bench.tell(mode, "reference of the walk", share);
     timed(bench.pool, &render, &tell).0
 }
