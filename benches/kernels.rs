@@ -222,7 +222,7 @@ fn cells(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(points.len() as u64));
     group.bench_function("descent, shader's copy", |bencher| {
         bencher.iter(|| -> usize {
-            let found = points.iter().map(|&point| lies.cell(point).partial.len());
+            let found = points.iter().map(|&point| lies.cell(point).answered());
             found.sum()
         });
     });
@@ -255,6 +255,7 @@ fn shading(criterion: &mut Criterion) {
             samples_per_pixel: 1,
             light_samples,
             seed: 0,
+            ward: None,
         };
         for (name, lookup) in [("standard", None), ("lie", Some(&lies as &dyn LieLookup))] {
             let render = || render_tile(&world, lookup, camera, &settings, tile, &never).unwrap();

@@ -43,13 +43,19 @@ fn wrong_arguments_end_in_2_and_say_what_was_expected() {
             "cannot be used with",
         ),
         (&["--at", "1"], "--walk"),
-        (&["--integrator", "path"], "standard, lie"),
+        (&["--integrator", "path"], "standard, ward, lie"),
+        (&["--ward-threshold", "-0.1"], "from 0 to 1"),
+        (&["--ward-threshold", "NaN"], "from 0 to 1"),
+        (&["--ward-threshold", "1.5"], "from 0 to 1"),
         (&["--exposure", "NaN"], "exposure"),
         (&["--exposure", "1000"], "exposure"),
         (&["--max-depth", "0"], "1..=20"),
         (&["--max-depth", "21"], "1..=20"),
         (&["--split", "0"], "--split"),
         (&["--trust", "x"], "--trust"),
+        (&["--masking", "1.01"], "from 0 to 1"),
+        (&["--masking", "-0.02"], "from 0 to 1"),
+        (&["--masking", "NaN"], "from 0 to 1"),
         (&["--repeat", "0"], "--repeat"),
         (&["--precision", "double"], "half, float"),
         (&["--log", "=="], "error"),
@@ -105,7 +111,7 @@ fn statistics_hold_what_was_promised() {
         "scene integrator accel threads width height spp frame_ms visibility_ms",
         "unoccluded_ms partial_ms construct_ms primary_rays shadow_rays occluder_tests",
     ];
-    for integrator in ["standard", "lie"] {
+    for integrator in ["standard", "ward", "lie"] {
         let stats = path("stats.json");
         let mut command = render(&path("a.exr"), &["--integrator", integrator, "--spp", "2"]);
         let output = command.arg("--stats").arg(&stats).output().unwrap();
@@ -119,7 +125,7 @@ fn statistics_hold_what_was_promised() {
         }
         assert_eq!(stats["integrator"], integrator);
         assert_eq!(stats["primary_rays"], 24 * 24 * 2);
-        assert_eq!(stats["lie"].is_null(), integrator == "standard");
+        assert_eq!(stats["lie"].is_null(), integrator != "lie");
         for key in ["cells", "entries", "occluders", "bytes"] {
             assert_eq!(stats["lie"][key].is_u64(), integrator == "lie", "{key}");
         }

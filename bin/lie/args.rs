@@ -27,11 +27,21 @@ pub(crate) fn size(text: &str) -> Result<UVec2, String> {
     Ok(UVec2::new(side(width)?, side(height)?))
 }
 
+/// Parses a share, such as 0.02.
+pub(crate) fn share(text: &str) -> Result<f32, String> {
+    let share = text.parse().ok();
+    share
+        .filter(|share| (0.0..=1.0).contains(share))
+        .ok_or_else(|| "expected a number from 0 to 1, such as 0.02".to_owned())
+}
+
 /// How visibility of lights is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Integrator {
     /// A full shadow ray for every light and sample: the reference.
     Standard,
+    /// Full shadow rays to the lights that give most; the rest is estimated (Ward 1994).
+    Ward,
     /// Local illumination environments.
     Lie,
 }
@@ -41,6 +51,7 @@ impl Integrator {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Standard => "standard",
+            Self::Ward => "ward",
             Self::Lie => "lie",
         }
     }
@@ -170,6 +181,14 @@ mod tests {
         assert_eq!(size("640x360"), Ok(UVec2::new(640, 360)));
         for wrong in ["", "640", "0x3", "3x-1", "99999x3", "3x3x3", "axb"] {
             assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+    #[test]
+    fn shares_are_numbers_from_0_to_1() {
+        assert_eq!(share("0.02"), Ok(0.02));
+        assert_eq!((share("0"), share("1")), (Ok(0.0), Ok(1.0)));
+        for wrong in ["", "-0.1", "1.01", "NaN", "inf", "2 %"] {
+            assert!(share(wrong).is_err(), "{wrong}");
         }
     }
 }

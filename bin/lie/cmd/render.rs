@@ -28,6 +28,10 @@ pub(crate) struct Render {
     /// How visibility of lights is found.
     #[arg(long, value_enum, default_value = "lie")]
     integrator: Integrator,
+    /// Share of a point's light below which `--integrator ward` estimates the lights that
+    /// would give least together, instead of testing them; 0 tests all.
+    #[arg(long, value_parser = args::share, default_value_t = 0.05, allow_negative_numbers = true, value_name = "SHARE")]
+    ward_threshold: f32,
     /// What finds hits in the scene.
     #[arg(long, value_enum, default_value = "bvh")]
     accel: Accel,
@@ -103,6 +107,11 @@ pub(crate) struct Construction {
     /// which is cheaper then; the paper has no such limit.
     #[arg(long, value_name = "N")]
     crowd: Option<u32>,
+    /// Leave out lights that others outshine: of each cell those that together give at most
+    /// this share of its darkest point's light. 0.02 is the paper's; 0, the default, leaves
+    /// out none.
+    #[arg(long, value_parser = args::share, allow_negative_numbers = true, value_name = "FRACTION")]
+    masking: Option<f32>,
     /// Let the parts of a cell that splits start from nothing, as in the paper, instead of
     /// with what is known of the whole.
     #[arg(long)]
@@ -113,17 +122,21 @@ impl Construction {
     /// The same again, for another process.
     pub(crate) fn to_arguments(&self) -> Vec<std::ffi::OsString> {
         let given = [
-            ("--samples", self.samples),
-            ("--trust", self.trust.map(u64::from)),
-            ("--max-depth", self.max_depth.map(u64::from)),
-            ("--split", self.split.map(u64::from)),
-            ("--split-samples", self.split_samples.map(u64::from)),
-            ("--crowd", self.crowd.map(u64::from)),
+            ("--samples", self.samples.map(|count| count.to_string())),
+            ("--trust", self.trust.map(|count| count.to_string())),
+            ("--max-depth", self.max_depth.map(|count| count.to_string())),
+            ("--split", self.split.map(|count| count.to_string())),
+            (
+                "--split-samples",
+                self.split_samples.map(|count| count.to_string()),
+            ),
+            ("--crowd", self.crowd.map(|count| count.to_string())),
+            ("--masking", self.masking.map(|share| share.to_string())),
         ];
         let flag = self.from_scratch.then(|| "--from-scratch".into());
         given
             .into_iter()
-            .filter_map(|(name, value)| Some([name.into(), value?.to_string().into()]))
+            .filter_map(|(name, value)| Some([name.into(), value?.into()]))
             .flatten()
             .chain(flag)
             .collect()
@@ -135,6 +148,7 @@ impl Construction {
         settings.lie.trust = self.trust.unwrap_or(settings.lie.trust);
         settings.lie.split_samples = self.split_samples.unwrap_or(settings.lie.split_samples);
         settings.lie.crowd = self.crowd.unwrap_or(settings.lie.crowd);
+        settings.lie.masking = self.masking.unwrap_or(settings.lie.masking);
         settings.lie.inherit = !self.from_scratch;
         settings.lie.max_depth = self.max_depth.unwrap_or(settings.lie.max_depth);
         settings.lie.split_threshold = self.split.unwrap_or(settings.lie.split_threshold);
@@ -225,6 +239,7 @@ fn frame_settings(arguments: &Render, scene: &lie_scene::Scene) -> anyhow::Resul
     let settings = FrameSettings::new(&wanted);
     Ok(FrameSettings {
         seed: arguments.seed,
+        ward: (arguments.integrator == Integrator::Ward).then_some(arguments.ward_threshold),
         ..settings
     })
 }
@@ -386,6 +401,7 @@ fn statistics(
         "lie": constructed.map(|constructed| serde_json::json!({
             "cells": constructed.stats.cells,
             "entries": constructed.stats.entries,
+            "masked": constructed.stats.masked,
             "occluders": constructed.stats.occluders,
             "bytes": constructed.stats.bytes,
             "shader_bytes": constructed.replica.publish().bytes(),

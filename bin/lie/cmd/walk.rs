@@ -22,7 +22,7 @@ use lie_scene::{KeyFrame, RenderSettings, Walkthrough};
 use tokio::sync::watch;
 
 use crate::{
-    args::{self, Integrator, Precision, say, write_json},
+    args::{self, Precision, say, write_json},
     failure::{OrUsage, usage},
 };
 pub(crate) use report::Report;
@@ -66,13 +66,32 @@ pub(crate) struct WalkOptions {
     light_samples: Option<u32>,
     /// How visibility of lights is found.
     #[arg(long, value_enum, default_value = "lie")]
-    integrator: Integrator,
+    integrator: FarmIntegrator,
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub(crate) seed: u64,
     /// Before each frame wait until its view has converged, at most this many seconds.
     #[arg(long, num_args = 0..=1, default_missing_value = "60", value_name = "SECONDS")]
     settle: Option<f32>,
+}
+
+/// How a farm finds the visibility of lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FarmIntegrator {
+    /// A full shadow ray for every light and sample: the reference.
+    Standard,
+    /// Local illumination environments.
+    Lie,
+}
+
+impl FarmIntegrator {
+    /// Its name on the command line and in statistics.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Standard => "standard",
+            Self::Lie => "lie",
+        }
+    }
 }
 
 /// Formats of a frame.
@@ -121,8 +140,8 @@ impl WalkOptions {
                 samples_per_pixel: settings.samples_per_pixel,
                 light_samples: settings.light_samples,
                 integrator: match self.integrator {
-                    Integrator::Standard => WireIntegrator::Standard,
-                    Integrator::Lie => WireIntegrator::Lie,
+                    FarmIntegrator::Standard => WireIntegrator::Standard,
+                    FarmIntegrator::Lie => WireIntegrator::Lie,
                 },
                 seed: self.seed,
                 format: match self.precision {

@@ -1,11 +1,11 @@
 //! Sixteen rays through the tree together: each box and each triangle is loaded once and
 //! tested against all of them.
 
-use lie_geom::{Hit, LaneHit, Ray, Triangle, intersect_lane};
+use lie_geom::{Hit, LaneHit, Ray, SHADOW_T_MAX, Triangle, intersect_lane};
 use multiversion::multiversion;
 
 use crate::{
-    Bvh,
+    Bvh, Cutout,
     block::TriangleBlock,
     node::{Child, Node, Target, WIDER, WIDTH, inverse},
 };
@@ -101,10 +101,43 @@ impl RayPacket {
         nearest
     }
 
+    /// The segments from sixteen places to one target ([`Ray::segment`]). Only the lanes
+    /// whose bits are set hit anything.
+    #[must_use]
+    #[inline]
+    pub fn segments(origin: &[[f32; PACKET]; 3], target: [f32; 3], lanes: u32) -> Self {
+        let mut packet = Self::new(&[]);
+        packet.origin = *origin;
+        for lane in 0..PACKET {
+            let direction: [f32; 3] = std::array::from_fn(|axis| target[axis] - origin[axis][lane]);
+            let inverse = inverse(direction.into());
+            for axis in 0..3 {
+                packet.direction[axis][lane] = direction[axis];
+                packet.inverse[axis][lane] = inverse[axis];
+            }
+            if lanes >> lane & 1 == 1 {
+                packet.t_max[lane] = SHADOW_T_MAX;
+            }
+        }
+        packet
+    }
+
     /// Which rays one triangle blocks, were it solid: bit `i` for ray `i`.
     #[must_use]
     pub fn blocked_by(&self, triangle: &Triangle) -> u32 {
         blocked_by(self, triangle)
+    }
+
+    /// Which rays any of some triangles of `all` blocks, given by their indices. `cutout`
+    /// says where triangles have holes; `None` means nowhere.
+    #[must_use]
+    pub fn blocked_by_any(
+        &self,
+        all: &[Triangle],
+        indices: &[u32],
+        cutout: Option<&dyn Cutout>,
+    ) -> u32 {
+        blocked_by_any(self, all, indices, cutout)
     }
 
     /// All lanes against one triangle.
@@ -243,6 +276,46 @@ pub(crate) fn blockers(bvh: &Bvh, packet: &RayPacket) -> [Option<u32>; PACKET] {
         }
     });
     blockers
+}
+
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+fn blocked_by_any(
+    packet: &RayPacket,
+    all: &[Triangle],
+    indices: &[u32],
+    cutout: Option<&dyn Cutout>,
+) -> u32 {
+    let mut bound = packet.t_max;
+    let mut blocked = 0u32;
+    for &index in indices {
+        let Some(triangle) = all.get(index as usize) else {
+            continue;
+        };
+        let corners = [triangle.a, triangle.b, triangle.c].map(|corner| corner.to_array());
+        let hits = packet.intersect((corners, triangle.normal.to_array()), &bound);
+        if !hits.any() {
+            continue;
+        }
+        let holes = cutout.filter(|cutout| cutout.has_holes(index));
+        for ray in 0..PACKET {
+            let hit = hits.lane(ray);
+            let is_solid = |cutout: &dyn Cutout| {
+                let weights = hit.hit();
+                cutout.is_solid(index, weights.u, weights.v)
+            };
+            if hit.t < f32::INFINITY && holes.is_none_or(is_solid) {
+                blocked |= 1 << ray;
+                bound[ray] = f32::NEG_INFINITY;
+            }
+        }
+        if !farther_than(&bound, f32::NEG_INFINITY) {
+            break;
+        }
+    }
+    blocked
 }
 
 #[multiversion(targets(

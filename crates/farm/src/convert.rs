@@ -158,6 +158,7 @@ pub fn frame_settings(begin: &BeginFrame) -> Result<FrameSettings, ConvertError>
         samples_per_pixel: begin.samples_per_pixel,
         light_samples: begin.light_samples,
         seed: begin.seed,
+        ward: None,
     })
 }
 

@@ -1,9 +1,8 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use lie_accel::Occluders;
 use lie_octree::{CellBody, CellState, Cube, LieSettings, LieState, LieTree, Replica};
-use lie_render::{LieCell, LieLight, LieLookup, World};
+use lie_render::{LieCell, LieLookup, World};
 
 /// A shader's copy of the LIEs, compiled for shading, under construction.
 ///
@@ -128,10 +127,6 @@ impl LieLookup for PublishedLies {
 /// An LIE in the form that shading wants. The caller has checked its indices.
 fn compile(world: &World, settings: LieSettings, lie: &LieState) -> LieCell {
     let scene = world.scene();
-    let (partial, unoccluded): (Vec<_>, Vec<_>) = lie
-        .lights
-        .iter()
-        .partition(|entry| !entry.occluders.is_empty());
     let is_known = |light: &u32| {
         lie.lights
             .binary_search_by_key(light, |entry| entry.light)
@@ -145,15 +140,7 @@ fn compile(world: &World, settings: LieSettings, lie: &LieState) -> LieCell {
             .filter(|light| !is_known(light))
             .collect()
     };
-    LieCell {
-        unoccluded: unoccluded.iter().map(|entry| entry.light).collect(),
-        partial: partial
-            .iter()
-            .map(|entry| LieLight {
-                light: entry.light,
-                occluders: Occluders::gather(&scene.geometry, Some(scene), &entry.occluders),
-            })
-            .collect(),
-        traced,
-    }
+    let lights = lie.lights.iter();
+    let lights = lights.map(|entry| (entry.light, &entry.occluders[..]));
+    LieCell::new(world, lights, traced)
 }

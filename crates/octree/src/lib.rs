@@ -21,7 +21,7 @@
 //! let mut tree = LieTree::new(bounds, LieSettings::default());
 //! // From one point light 3 was seen, from another triangle 7 was in the way.
 //! let observations = [(0.5, None), (-0.5, Some(7))].map(|(y, blocker)| Observation {
-//!     outcomes: vec![Outcome { light: 3, blocker, rays: 1, importance: 1.0 }],
+//!     outcomes: vec![Outcome { blocker, importance: 1.0, ..Outcome::of(3) }],
 //!     ..Observation::at(Vec3::new(0.0, y, 0.0))
 //! });
 //! tree.record(&observations);
@@ -32,6 +32,7 @@
 mod key;
 mod lie;
 mod lie_tree;
+mod masking;
 mod observe;
 mod observer;
 mod replica;

@@ -1,4 +1,4 @@
-use crate::{LieState, LitLight, Outcome};
+use crate::{LieSettings, LieState, LitLight, Observation, Outcome, masking::Shown};
 
 /// What the constructor knows of one cell.
 ///
@@ -8,6 +8,8 @@ use crate::{LieState, LitLight, Outcome};
 pub struct Lie {
     samples: u32,
     lights: Vec<LightEvidence>,
+    /// What its own samples show of all lights together.
+    pub(crate) shown: Shown,
     /// Tree version at which what shaders see of it last changed.
     pub(crate) version: u64,
 }
@@ -30,6 +32,10 @@ pub struct LightEvidence {
     pub inherited: bool,
     /// Whether too much is in the way to list: its rays go through the scene.
     pub crowded: bool,
+    /// Largest luminance that it may have given any of the cell's own samples.
+    pub most: f32,
+    /// Whether other lights outshine it so much that shaders leave it out (LIE §5).
+    pub masked: bool,
     /// The triangles that came in between, in the order of their discovery. Of a hidden
     /// light, some of them; of a crowded one, none.
     pub occluders: Vec<Occluder>,
@@ -77,6 +83,7 @@ impl Lie {
         Self {
             samples: 0,
             lights: self.lights.iter().map(LightEvidence::part).collect(),
+            shown: Shown::default(),
             version,
         }
     }
@@ -112,7 +119,7 @@ impl Lie {
         place.ok().map(|index| &self.lights[index])
     }
 
-    /// What shaders make of a light, if `trust` rays must agree on one that gives all of a
+    /// What shaders make of a light, masking left aside, if `trust` rays must agree on one that gives all of a
     /// pixel's light, and fewer on one that gives less. At 0 they trust everything, as in
     /// the paper: what is not known to be lit is hidden.
     #[must_use]
@@ -148,11 +155,14 @@ impl Lie {
     /// light is kept.
     pub(crate) fn record<'a>(
         &mut self,
-        samples: u32,
-        outcomes: impl Iterator<Item = &'a Outcome> + Clone,
-        crowd: u32,
+        samples: impl Iterator<Item = &'a Observation> + Clone,
+        settings: &LieSettings,
     ) {
-        self.samples = self.samples.saturating_add(samples);
+        for seen in samples.clone() {
+            self.samples = self.samples.saturating_add(1);
+            self.shown.record(seen);
+        }
+        let outcomes = samples.flat_map(|seen| &seen.outcomes);
         for outcome in outcomes.clone() {
             if outcome.blocker.is_none() {
                 self.entry(outcome).see(outcome.rays.min(PER_SAMPLE));
@@ -161,12 +171,13 @@ impl Lie {
         for outcome in outcomes {
             if let Some(triangle) = outcome.blocker {
                 let rays = outcome.rays.min(PER_SAMPLE);
-                self.entry(outcome).block(triangle, rays, crowd);
+                self.entry(outcome).block(triangle, rays, settings.crowd);
             }
         }
         for entry in &mut self.lights {
-            entry.settle(crowd);
+            entry.settle(settings.crowd);
         }
+        self.shown.mask(&mut self.lights, settings);
     }
 
     /// The entry that an outcome belongs to, made first if there is none.
@@ -180,6 +191,7 @@ impl Lie {
         });
         let entry = &mut self.lights[index];
         entry.importance = entry.importance.max(outcome.importance);
+        entry.most = entry.most.max(outcome.luminance + outcome.beside);
         entry
     }
 
@@ -190,7 +202,7 @@ impl Lie {
         LieState {
             lights: self
                 .lights()
-                .filter(|entry| !entry.crowded)
+                .filter(|entry| !entry.crowded && !entry.masked)
                 .filter(trusted)
                 .map(LightEvidence::to_lit)
                 .collect(),
@@ -201,8 +213,9 @@ impl Lie {
                 .collect(),
             // Without doubt, every light that is not lit is hidden: no need to name it.
             hidden: self
-                .hidden()
-                .filter(|_| trust > 0)
+                .lights
+                .iter()
+                .filter(|entry| trust > 0 && (entry.masked || !entry.is_lit()))
                 .filter(trusted)
                 .map(|entry| entry.light)
                 .collect(),
@@ -229,12 +242,14 @@ impl LightEvidence {
             importance: 0.0,
             inherited: false,
             crowded: false,
+            most: 0.0,
+            masked: false,
             occluders: vec![],
         }
     }
 
     /// What holds in a part of the cell. A plane through a cell leaves a surface about a
-    /// quarter of its rays.
+    /// quarter of its rays. What masks a light may lie in another part: it starts unmasked.
     fn part(&self) -> Self {
         let inherited = |occluder: &Occluder| Occluder {
             triangle: occluder.triangle,
@@ -244,14 +259,16 @@ impl LightEvidence {
             clear: 0,
             blocked: 0,
             agreed: self.agreed / 4,
+            most: 0.0,
+            masked: false,
             inherited: self.is_lit(),
             occluders: self.occluders.iter().map(inherited).collect(),
             ..*self
         }
     }
 
-    /// Whether the light is in the LIE.
-    fn is_lit(&self) -> bool {
+    /// Whether it reaches the cell, as far as is known.
+    pub(crate) fn is_lit(&self) -> bool {
         self.clear > 0 || self.inherited
     }
 
@@ -283,7 +300,12 @@ impl LightEvidence {
     /// so that what may be wrong of any light is worth about the same; but at least a
     /// sixteenth.
     fn is_trusted(&self, trust: u32) -> bool {
-        self.agreed as f32 >= trust as f32 * self.importance.clamp(1.0 / 16.0, 1.0)
+        self.is_enough(self.agreed, trust)
+    }
+
+    /// Whether so many rays are as many as its importance asks for.
+    pub(crate) fn is_enough(&self, rays: u32, trust: u32) -> bool {
+        rays as f32 >= trust as f32 * self.importance.clamp(1.0 / 16.0, 1.0)
     }
 
     /// Rays that reached the light.
@@ -328,6 +350,8 @@ impl LightEvidence {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     const SEEN: Option<u32> = None;
@@ -336,13 +360,30 @@ mod tests {
         let outcomes: Vec<_> = outcomes
             .iter()
             .map(|&(light, blocker)| Outcome {
-                light,
                 blocker,
-                rays: 1,
                 importance: 1.0,
+                ..Outcome::of(light)
             })
             .collect();
-        lie.record(1, outcomes.iter(), 3);
+        sample(lie, outcomes, SETTINGS);
+    }
+
+    const SETTINGS: LieSettings = LieSettings {
+        max_depth: 0,
+        split_threshold: 0,
+        split_samples: 0,
+        trust: 0,
+        inherit: true,
+        crowd: 3,
+        masking: 0.0,
+    };
+
+    fn sample(lie: &mut Lie, outcomes: Vec<Outcome>, settings: LieSettings) {
+        let seen = Observation {
+            outcomes,
+            ..Observation::at(Vec3::ZERO)
+        };
+        lie.record(std::iter::once(&seen), &settings);
     }
 
     fn standing(lie: &Lie, light: u32, trust: u32) -> &'static str {
@@ -411,14 +452,12 @@ mod tests {
     fn a_light_that_gives_little_needs_fewer_samples() {
         let mut lie = Lie::default();
         let outcome = |light, importance| Outcome {
-            light,
-            blocker: SEEN,
-            rays: 1,
             importance,
+            ..Outcome::of(light)
         };
-        let outcomes = [outcome(0, 1.0), outcome(1, 0.25), outcome(2, 0.0)];
+        let outcomes = vec![outcome(0, 1.0), outcome(1, 0.25), outcome(2, 0.0)];
         for _ in 0..17 {
-            lie.record(1, outcomes.iter(), 3);
+            sample(&mut lie, outcomes.clone(), SETTINGS);
         }
         let trusted = |light| lie.standing(light, 64) != Standing::Doubtful;
         assert!(!trusted(0) && trusted(1) && trusted(2));

@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// How the tree grows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LieSettings {
     /// Levels below the root that cells may reach; at most [`CellKey::MAX_DEPTH`].
     pub max_depth: u32,
@@ -31,6 +31,9 @@ pub struct LieSettings {
     /// shadow rays go through the scene, which is cheaper then, and right. The paper lists
     /// them all: [`u32::MAX`].
     pub crowd: u32,
+    /// Share of the darkest sample of a cell, in `[0, 1]`, that lights may give which shaders
+    /// leave out since the others outshine them (LIE §5, where it is 0.02). 0 masks none.
+    pub masking: f32,
 }
 
 impl Default for LieSettings {
@@ -42,6 +45,7 @@ impl Default for LieSettings {
             trust: 512,
             inherit: true,
             crowd: 64,
+            masking: 0.0,
         }
     }
 }
@@ -53,6 +57,8 @@ pub struct LieStats {
     pub cells: u64,
     /// Lights summed over the leaves.
     pub entries: u64,
+    /// Those of them that are masked.
+    pub masked: u64,
     /// Occluders summed over the leaves.
     pub occluders: u64,
     /// Memory of the leaves' contents, evidence included.
@@ -79,6 +85,7 @@ impl LieTree {
             tree: Octree::new(Cube::around(bounds), Lie::default()),
             settings: LieSettings {
                 max_depth: settings.max_depth.min(CellKey::MAX_DEPTH),
+                masking: settings.masking.clamp(0.0, 1.0),
                 ..settings
             },
             version: 0,
@@ -146,8 +153,7 @@ impl LieTree {
             return;
         };
         let before = lie.clone();
-        let outcomes = group.iter().flat_map(|(_, seen)| &seen.outcomes);
-        lie.record(group.len() as u32, outcomes, settings.crowd);
+        lie.record(group.iter().map(|(_, seen)| *seen), &settings);
         if before.state(settings.trust) != lie.state(settings.trust) {
             lie.version = version + 1;
             self.changed.insert(key);
@@ -222,6 +228,7 @@ impl LieTree {
             let Cell::Leaf(lie) = cell else { return };
             stats.cells += u64::from(lie.samples() > 0);
             stats.entries += lie.lights().count() as u64;
+            stats.masked += lie.lights().filter(|entry| entry.masked).count() as u64;
             stats.occluders += lie.listed() as u64;
             stats.bytes += (size_of::<Lie>() + lie.bytes()) as u64;
         });
@@ -244,12 +251,16 @@ impl LieTree {
                 let listed = settings_allow(entry.occluders.len());
                 hits <= entry.blocked && (listed || entry.inherited)
             };
+            let masked = lie.lights().filter(|entry| entry.masked);
+            let masked: f64 = masked.map(|entry| f64::from(entry.most)).sum();
+            let allowed = f64::from(self.settings.masking) * f64::from(lie.shown.least());
             let inherited = |entry: &LightEvidence| entry.inherited && self.settings.inherit;
             let holds = rising
                 && lie
                     .lights()
                     .all(|entry| entry.clear >= 1 || inherited(entry))
-                && lie.hidden().all(|entry| entry.clear == 0)
+                && lie.hidden().all(|entry| entry.clear == 0 && !entry.masked)
+                && masked <= allowed * (1.0 + 1.0e-9)
                 && lie.lights().chain(lie.hidden()).all(counted)
                 && key.depth() <= self.settings.max_depth
                 && lie.version <= self.version + 1;

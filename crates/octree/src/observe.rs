@@ -35,6 +35,9 @@ pub struct ShadowRay {
     pub ray: Ray,
     /// What it would add to the pixel if nothing blocked it, as luminance.
     pub weight: f32,
+    /// What rays from the same point to the same light would add that are not among those
+    /// observed, since shaders trace them through the scene wherever the light is not hidden.
+    pub beside: f32,
 }
 
 /// One sample of LIE §4.1: what a point sees of the lights that could light it.
@@ -44,7 +47,7 @@ pub struct Observation {
     pub point: Vec3,
     /// What the rays to the lights met, light by light.
     pub outcomes: Vec<Outcome>,
-    /// Luminance of the pixel as the tree stood when it was observed.
+    /// Luminance of the pixel as the tree stood when it was observed, masking left aside.
     pub predicted: f32,
     /// Luminance of the pixel as it is.
     pub actual: f32,
@@ -81,4 +84,23 @@ pub struct Outcome {
     /// What the light would give, unoccluded, as a share of what the pixel or a typical
     /// one shows; in `[0, 1]`.
     pub importance: f32,
+    /// What they add to the pixel, as luminance: nothing where something is in the way.
+    pub luminance: f32,
+    /// [`ShadowRay::beside`].
+    pub beside: f32,
+}
+
+impl Outcome {
+    /// One ray that reached a light and carried nothing.
+    #[must_use]
+    pub fn of(light: u32) -> Self {
+        Self {
+            light,
+            blocker: None,
+            rays: 1,
+            importance: 0.0,
+            luminance: 0.0,
+            beside: 0.0,
+        }
+    }
 }

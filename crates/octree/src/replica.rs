@@ -36,7 +36,7 @@ pub struct LieState {
     /// The lights that reach the cell, in order of their number. One without occluders is
     /// unoccluded.
     pub lights: Vec<LitLight>,
-    /// The lights that are fully occluded, in order of their number.
+    /// The lights that are fully occluded or masked, in order of their number.
     pub hidden: Vec<u32>,
     /// The lights that reach the cell past so much that their shadow rays go through the
     /// scene, in order of their number.

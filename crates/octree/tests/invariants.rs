@@ -21,10 +21,10 @@ const BOUNDS: Aabb = Aabb {
 fn observation() -> impl Strategy<Value = Observation> {
     let outcome = (0u32..6, prop::option::of(0u32..12), 1u32..6, 0.0f32..1.0).prop_map(
         |(light, blocker, rays, importance)| Outcome {
-            light,
             blocker,
             rays,
             importance,
+            ..Outcome::of(light)
         },
     );
     let point = [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0].prop_map(Vec3::from_array);
@@ -43,6 +43,7 @@ fn settings() -> impl Strategy<Value = LieSettings> {
             trust,
             inherit,
             crowd,
+            masking: 0.0,
         },
     )
 }
@@ -151,7 +152,7 @@ proptest! {
         let mut tree = LieTree::new(BOUNDS, settings);
         let rays: Vec<ShadowRay> = (0..)
             .zip(&points)
-            .map(|(point, &from)| ShadowRay { point, ray: Ray::segment(from, 5.0 * Vec3::Y), weight: 2.0 })
+            .map(|(point, &from)| ShadowRay { point, ray: Ray::segment(from, 5.0 * Vec3::Y), weight: 2.0, beside: 0.5 })
             .collect();
         let mut observe = || {
             let mut observer = Observer::new(&tree, &points, 0.0, RandomKey::new(1), &Slab);
@@ -164,6 +165,8 @@ proptest! {
             let blocked = seen.point.x > 0.3;
             prop_assert_eq!(seen.actual, if blocked { 0.0 } else { 2.0 });
             prop_assert_eq!(seen.outcomes[0].blocker.is_some(), blocked);
+            prop_assert_eq!(seen.outcomes[0].luminance, seen.actual);
+            prop_assert_eq!(seen.outcomes[0].beside, 0.5);
         }
         observe();
         for seen in observe() {

@@ -7,16 +7,16 @@ use std::f32::consts::{FRAC_1_PI, PI};
 /// glTF 2.0 describes it (appendix B), with Smith's height-correlated masking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brdf {
-    normal: Vec3,
-    geometric_normal: Vec3,
-    wo: Vec3,
+    pub(crate) normal: Vec3,
+    pub(crate) geometric_normal: Vec3,
+    pub(crate) wo: Vec3,
     /// Albedo over π.
-    diffuse: Vec3,
+    pub(crate) diffuse: Vec3,
     /// Reflectance at normal and at grazing incidence; none of both is pure Lambert.
-    f0: Vec3,
-    f90: f32,
-    alpha: f32,
-    cos_o: f32,
+    pub(crate) f0: Vec3,
+    pub(crate) f90: f32,
+    pub(crate) alpha: f32,
+    pub(crate) cos_o: f32,
 }
 
 impl Brdf {

@@ -1,20 +1,26 @@
 use glam::Vec3;
 use lie_accel::Occluders;
 
+use crate::World;
+
 /// A local illumination environment in the form that shading wants (LIE §4.2). A light of
-/// the scene that is in none of the lists is fully occluded.
+/// the scene that is in none of the lists is fully occluded, or masked.
 #[derive(Clone, Debug, Default)]
 pub struct LieCell {
     /// Lights that every surface point in the cell sees whole, by number.
     pub unoccluded: Vec<u32>,
-    /// Lights that some points see in part.
+    /// Lights with extent that some points see in part. Many rays from one point go to each:
+    /// its occluders lie ready, eight to a block.
     pub partial: Vec<LieLight>,
+    /// Points and spots that some points do not see. Many points send a ray to each: one
+    /// occluder at a time serves them all, and its number is enough.
+    pub partial_delta: Vec<LieDeltaLight>,
     /// Lights whose shadow rays go through the scene, since too little is known of them or
-    /// too much is in the way.
+    /// too much is in the way, in rising order.
     pub traced: Vec<u32>,
 }
 
-/// A partially occluded light.
+/// A partially occluded light with extent.
 #[derive(Clone, Debug, Default)]
 pub struct LieLight {
     /// Number of the light in the scene.
@@ -23,20 +29,65 @@ pub struct LieLight {
     pub occluders: Occluders,
 }
 
+/// A partially occluded point or spot.
+#[derive(Clone, Debug, Default)]
+pub struct LieDeltaLight {
+    /// Number of the light in the scene.
+    pub light: u32,
+    /// Triangles that may be in the way.
+    pub occluders: Box<[u32]>,
+}
+
 impl LieCell {
+    /// The form for shading of an LIE: lights with their occluders, and lights that are
+    /// traced. Triangles that the scene does not have are left out.
+    #[must_use]
+    pub fn new<'a>(
+        world: &World,
+        lights: impl Iterator<Item = (u32, &'a [u32])>,
+        traced: Vec<u32>,
+    ) -> Self {
+        let scene = world.scene();
+        let mut cell = Self {
+            traced,
+            ..Self::default()
+        };
+        for (light, occluders) in lights {
+            if occluders.is_empty() {
+                cell.unoccluded.push(light);
+            } else if world.delta_light(light).is_some() {
+                let exists = |triangle: &u32| (*triangle as usize) < scene.geometry.len();
+                let occluders = occluders.iter().copied().filter(exists).collect();
+                cell.partial_delta.push(LieDeltaLight { light, occluders });
+            } else {
+                let occluders = Occluders::gather(&scene.geometry, Some(scene), occluders);
+                cell.partial.push(LieLight { light, occluders });
+            }
+        }
+        cell
+    }
+
+    /// Lights that are shaded without asking the scene.
+    #[must_use]
+    pub fn answered(&self) -> usize {
+        self.unoccluded.len() + self.partial.len() + self.partial_delta.len()
+    }
+
     /// Memory in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let occluders: usize = self
-            .partial
+        let blocks = self.partial.iter().map(|entry| entry.occluders.bytes());
+        let numbers = self
+            .partial_delta
             .iter()
-            .map(|entry| entry.occluders.bytes())
-            .sum();
+            .map(|entry| size_of_val(&entry.occluders[..]));
         size_of::<Self>()
             + size_of_val(&self.unoccluded[..])
             + size_of_val(&self.partial[..])
+            + size_of_val(&self.partial_delta[..])
             + size_of_val(&self.traced[..])
-            + occluders
+            + blocks.sum::<usize>()
+            + numbers.sum::<usize>()
     }
 }
 

@@ -24,6 +24,8 @@
 
 mod brdf;
 mod cell;
+mod delta_groups;
+mod delta_lanes;
 mod film;
 mod frame;
 mod image_file;
@@ -34,10 +36,11 @@ mod stats;
 mod tile;
 mod tile_renderer;
 mod tone_map;
+mod ward;
 mod world;
 
 pub use brdf::Brdf;
-pub use cell::{LieCell, LieLight, LieLookup};
+pub use cell::{LieCell, LieDeltaLight, LieLight, LieLookup};
 pub use film::{Film, Precision};
 pub use frame::render_frame;
 pub use image_file::{ImageError, read_image, write_exr, write_png};

@@ -3,7 +3,7 @@ use lie_geom::{
     RandomKey, Ray,
     sampling::{self, stratified},
 };
-use lie_scene::{AreaLight, LightKind, LightPoint, Surface};
+use lie_scene::{AreaLight, Light, LightKind, LightPoint, Surface};
 
 use crate::{Brdf, World, luminance};
 
@@ -40,7 +40,7 @@ impl LightPoints<'_> {
     /// the surface's specular lobe: half each on smooth surfaces.
     fn split(&self, light: &AreaLight) -> (u32, u32) {
         let count = self.strata.0 * self.strata.1;
-        let follow = self.brdf.is_smooth() && light.triangles().len() <= MAX_LOBE_TRIANGLES;
+        let follow = self.brdf.is_smooth() && is_simple(light);
         let by_lobe = if follow { count / 2 } else { 0 };
         (count - by_lobe, by_lobe)
     }
@@ -155,7 +155,7 @@ impl World {
                 .then(|| LightRay::new(index, &moved, sample.target, radiance))
                 .flatten();
         };
-        if area.triangles().len() > MAX_LOBE_TRIANGLES {
+        if !is_simple(area) {
             return None;
         }
         let direction = (place - surface.shadow_origin).try_normalize()?;
@@ -193,6 +193,15 @@ impl World {
 
 /// Follow the lobe only to lights of at most so many triangles: each is tested.
 const MAX_LOBE_TRIANGLES: usize = 64;
+
+fn is_simple(light: &AreaLight) -> bool {
+    light.triangles().len() <= MAX_LOBE_TRIANGLES
+}
+
+/// Whether smooth surfaces follow their lobe to a light.
+pub(crate) fn follows_lobe(light: &Light) -> bool {
+    matches!(&light.kind, LightKind::Area(area) if is_simple(area))
+}
 
 impl LightRay {
     /// A ray from a surface; `None` if it carries nothing.

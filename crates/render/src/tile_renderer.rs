@@ -13,11 +13,11 @@ use lie_scene::{Camera, RenderSettings, Surface};
 
 use crate::{
     Brdf, LieCell, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
-    light_rays::LightPoints, shadow_queue::ShadowQueue,
+    delta_groups::DeltaGroup, light_rays::LightPoints, shadow_queue::ShadowQueue, ward,
 };
 
 /// All that a frame's pixels depend on, beside scene, camera and LIEs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameSettings {
     /// Columns and rows.
     pub size: UVec2,
@@ -27,6 +27,9 @@ pub struct FrameSettings {
     pub light_samples: u32,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// Adaptive shadow testing (Ward 1994) where there are no LIEs: the share of a point's
+    /// light, in `[0, 1]`, below which the lights that would give least are estimated.
+    pub ward: Option<f32>,
 }
 
 impl FrameSettings {
@@ -38,6 +41,7 @@ impl FrameSettings {
             samples_per_pixel: settings.samples_per_pixel,
             light_samples: settings.light_samples,
             seed: 0,
+            ward: None,
         }
     }
 }
@@ -74,6 +78,7 @@ pub fn render_tile(
         light_strata: strata(settings.light_samples),
         stats: RenderStats::default(),
         exact: vec![],
+        traced: vec![],
         directions: vec![],
         cancelled,
     };
@@ -113,37 +118,59 @@ struct TileRenderer<'a> {
     stats: RenderStats,
     /// Exact rays that wait to be traced, with their pixels.
     exact: Vec<(usize, LightRay)>,
+    /// Lights that are traced, with the points that they are traced from.
+    traced: Vec<(u32, u32)>,
     /// Lobe directions of the point in work.
     directions: Vec<Vec3>,
     cancelled: &'a AtomicBool,
 }
 
 /// A camera ray that met a surface, waiting for its light.
-struct ShadingPoint<'a> {
+pub(crate) struct ShadingPoint<'a> {
     /// Index of its pixel in the square.
-    pixel: usize,
+    pub(crate) pixel: usize,
     key: RandomKey,
-    surface: Surface,
-    brdf: Brdf,
-    cell: Option<&'a LieCell>,
+    pub(crate) surface: Surface,
+    pub(crate) brdf: Brdf,
+    pub(crate) cell: Option<&'a LieCell>,
+}
+
+impl ShadingPoint<'_> {
+    /// Tells cells apart.
+    pub(crate) fn cell_address(&self) -> usize {
+        self.cell.map_or(0, |cell| std::ptr::from_ref(cell).addr())
+    }
 }
 
 impl<'a> TileRenderer<'a> {
     /// Renders a small square; `None` when cancelled.
     fn square(&mut self, square: Tile) -> Option<Vec<Vec3>> {
         let mut sums = vec![Vec3::ZERO; (square.size.x * square.size.y) as usize];
+        let mut groups = vec![];
         for sample in 0..self.settings.samples_per_pixel {
             if self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
             let clock = Instant::now();
-            let points = self.shading_points(square, sample, &mut sums);
+            let mut points = self.shading_points(square, sample, &mut sums);
+            // Each pixel's sums keep their order, whatever the order of the points.
+            points.sort_by_key(ShadingPoint::cell_address);
             let clock = lap(clock, &mut self.stats.visibility_ns);
+            DeltaGroup::gather(&points, &mut groups);
+            for group in &groups {
+                group.unoccluded(self.world, &mut sums);
+            }
             self.unoccluded(&points, &mut sums);
             let clock = lap(clock, &mut self.stats.unoccluded_ns);
+            for group in &groups {
+                group.partial(self.world, &mut self.stats, &mut sums);
+            }
             self.partial(&points, &mut sums)?;
             let clock = lap(clock, &mut self.stats.partial_ns);
-            self.full(&points, &mut sums)?;
+            match self.settings.ward.filter(|_| self.lies.is_none()) {
+                Some(threshold) => self.ward(threshold, &points, &mut sums)?,
+                None => self.full(&points, &mut sums)?,
+            }
             lap(clock, &mut self.stats.full_ns);
         }
         let share = 1.0 / self.settings.samples_per_pixel as f32;
@@ -200,7 +227,7 @@ impl<'a> TileRenderer<'a> {
         surface: Surface,
     ) -> ShadingPoint<'a> {
         let cell = self.lies.map(|lies| lies.cell(surface.position));
-        let answered = cell.map_or(0, |cell| cell.unoccluded.len() + cell.partial.len());
+        let answered = cell.map_or(0, LieCell::answered);
         let traced = cell.map_or(self.world.scene().lights.len(), |cell| cell.traced.len());
         self.stats.trusted += answered as u64;
         self.stats.evaluations += (answered + traced) as u64;
@@ -241,11 +268,14 @@ impl<'a> TileRenderer<'a> {
         }
     }
 
-    /// Unoccluded lights: no rays at all, but for exact ones.
+    /// Unoccluded lights with extent: no rays at all, but for exact ones.
     fn unoccluded(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) {
         for point in points {
             let light_points = self.light_points(point);
             for &index in point.cell.map_or(&[][..], |cell| &cell.unoccluded) {
+                if self.world.delta_light(index).is_some() {
+                    continue;
+                }
                 self.world.for_each_light_ray(index, &light_points, |ray| {
                     if ray.exact {
                         self.exact.push((point.pixel, ray));
@@ -257,7 +287,8 @@ impl<'a> TileRenderer<'a> {
         }
     }
 
-    /// Partially occluded lights: rays against the occluders alone, but for exact ones.
+    /// Partially occluded lights with extent: rays against the occluders alone, but for
+    /// exact ones.
     fn partial(&mut self, points: &[ShadingPoint<'_>], sums: &mut [Vec3]) -> Option<()> {
         let cutout = self.world.scene();
         for point in points {
@@ -293,18 +324,22 @@ impl<'a> TileRenderer<'a> {
         for (pixel, ray) in self.exact.drain(..) {
             queue.push(&ray, pixel, sums);
         }
-        for index in 0..self.world.scene().lights.len() as u32 {
-            if self.cancelled.load(Ordering::Relaxed) {
+        self.gather_traced(points);
+        for (count, &(index, point)) in self.traced.iter().enumerate() {
+            if count % 1024 == 0 && self.cancelled.load(Ordering::Relaxed) {
                 return None;
             }
-            let traces = |cell: &LieCell| cell.traced.binary_search(&index).is_ok();
-            for point in points.iter().filter(|point| point.cell.is_none_or(traces)) {
-                let light_points = self.light_points(point);
-                let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
-                self.world.for_each_light_ray(index, &light_points, trace);
-            }
+            let point = &points[point as usize];
+            let light_points = self.light_points(point);
+            let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
+            self.world.for_each_light_ray(index, &light_points, trace);
         }
-        for point in points {
+        let follow = if self.world.has_lobe_lights() {
+            points
+        } else {
+            &[]
+        };
+        for point in follow {
             let light_points = self.light_points(point);
             light_points.lobe_directions(&mut self.directions);
             let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
@@ -313,6 +348,38 @@ impl<'a> TileRenderer<'a> {
         }
         queue.flush(sums);
         self.stats.shadow_rays += queue.traced;
+        Some(())
+    }
+
+    /// Which lights are traced from which points, light by light.
+    fn gather_traced(&mut self, points: &[ShadingPoint<'_>]) {
+        self.traced.clear();
+        let lights = 0..self.world.scene().lights.len() as u32;
+        if self.lies.is_none() {
+            let of_light = |light| (0..points.len() as u32).map(move |point| (light, point));
+            self.traced.extend(lights.flat_map(of_light));
+            return;
+        }
+        for (index, point) in (0..).zip(points) {
+            let traced = point.cell.map_or(&[][..], |cell| &cell.traced);
+            self.traced
+                .extend(traced.iter().map(|&light| (light, index)));
+        }
+        self.traced.sort_unstable();
+    }
+
+    /// All lights, by adaptive shadow testing.
+    fn ward(
+        &mut self,
+        threshold: f32,
+        points: &[ShadingPoint<'_>],
+        sums: &mut [Vec3],
+    ) -> Option<()> {
+        let points = points
+            .iter()
+            .map(|point| (point.pixel, self.light_points(point)));
+        let traced = ward::shade(self.world, threshold, points, sums, self.cancelled)?;
+        self.stats.shadow_rays += traced;
         Some(())
     }
 

@@ -2,13 +2,19 @@ use std::sync::Arc;
 
 use lie_accel::{Accel, AccelKind, Cutout, PACKET, RayPacket};
 use lie_geom::{Ray, Triangle};
-use lie_scene::{Scene, Surface};
+use lie_scene::{Material, Scene, Surface};
+
+use crate::{delta_lanes::DeltaLight, light_rays::follows_lobe};
 
 /// A scene that rays can be shot into.
 pub struct World {
     scene: Arc<Scene>,
     accel: Box<dyn Accel>,
     triangles: Vec<Triangle>,
+    /// For each light, its form for lanes, if it has one.
+    delta_lights: Vec<Option<DeltaLight>>,
+    has_lobe_lights: bool,
+    has_holes: bool,
     reach: f32,
 }
 
@@ -22,16 +28,17 @@ impl World {
     /// Builds an acceleration structure of some kind, in parallel.
     #[must_use]
     pub fn with_accel(scene: Arc<Scene>, kind: AccelKind) -> Self {
-        let cutout: Option<Arc<dyn Cutout>> = if scene.materials.iter().any(|m| m.is_masked()) {
-            Some(scene.clone())
-        } else {
-            None
-        };
+        let has_holes = scene.materials.iter().any(Material::is_masked);
+        let cutout: Option<Arc<dyn Cutout>> = if has_holes { Some(scene.clone()) } else { None };
         let accel = kind.build(&scene.geometry, cutout);
         let triangles = (0..scene.geometry.len() as u32)
             .map(|triangle| scene.geometry.triangle(triangle))
             .collect();
+        let lights = &scene.lights;
         Self {
+            delta_lights: lights.iter().map(DeltaLight::new).collect(),
+            has_holes,
+            has_lobe_lights: lights.iter().any(follows_lobe),
             reach: scene.reach(),
             scene,
             accel,
@@ -51,6 +58,22 @@ impl World {
         &*self.accel
     }
 
+    /// A triangle of the scene.
+    #[must_use]
+    pub fn triangle(&self, index: u32) -> Option<&Triangle> {
+        self.triangles.get(index as usize)
+    }
+
+    /// A light in the form for lanes, if it has one.
+    pub(crate) fn delta_light(&self, light: u32) -> Option<&DeltaLight> {
+        self.delta_lights.get(light as usize)?.as_ref()
+    }
+
+    /// Whether any light is sampled by where smooth surfaces reflect to.
+    pub(crate) fn has_lobe_lights(&self) -> bool {
+        self.has_lobe_lights
+    }
+
     /// A distance in metres that leaves the scene from anywhere in it.
     #[must_use]
     pub fn reach(&self) -> f32 {
@@ -65,11 +88,18 @@ impl World {
             .map(|hit| self.scene.surface(ray, &hit))
     }
 
+    /// Which rays of a packet any of some triangles blocks, holes considered.
+    #[must_use]
+    pub fn blocked_by_any(&self, triangles: &[u32], packet: &RayPacket) -> u32 {
+        let cutout = self.has_holes.then_some(&*self.scene as &dyn Cutout);
+        packet.blocked_by_any(&self.triangles, triangles, cutout)
+    }
+
     /// Which of some rays (at most sixteen), given as a packet and one by one, a triangle
     /// blocks, holes considered: bit `i` for ray `i`.
     #[must_use]
     pub fn blocked_by(&self, triangle: u32, packet: &RayPacket, rays: &[Ray]) -> u32 {
-        let Some(shape) = self.triangles.get(triangle as usize) else {
+        let Some(shape) = self.triangle(triangle) else {
             return 0;
         };
         let blocked = packet.blocked_by(shape);

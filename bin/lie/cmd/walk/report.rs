@@ -11,14 +11,14 @@ use lie_scene::RenderSettings;
 use serde_json::{Value, json};
 use tokio::sync::watch;
 
-use super::{Format, WalkOptions};
-use crate::args::{Integrator, Precision};
+use super::{FarmIntegrator, Format, WalkOptions};
+use crate::args::Precision;
 
 /// Writes a walk's frames and keeps its figures.
 pub(crate) struct Report {
     scene: String,
     shaders: u32,
-    integrator: Integrator,
+    integrator: FarmIntegrator,
     settings: RenderSettings,
     out: Option<PathBuf>,
     format: Format,

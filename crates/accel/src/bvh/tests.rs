@@ -228,6 +228,13 @@ fn a_packet_asks_one_triangle_as_its_rays_would() {
             }
             assert_eq!(together.blocked_by(&triangle), expected);
         }
+        let all: Vec<_> = (0..40).map(|index| geometry.triangle(index)).collect();
+        let some = [3, 7, 20, 21, 33, 999];
+        let expected = some
+            .iter()
+            .filter_map(|&index| all.get(index as usize))
+            .fold(0, |mask, triangle| mask | together.blocked_by(triangle));
+        assert_eq!(together.blocked_by_any(&all, &some, None), expected);
     }
 }
 

@@ -71,14 +71,17 @@ fn gather_rays(
     rays: &mut Vec<ShadowRay>,
 ) {
     let mut exact = None;
+    let mut beside = 0.0;
     let before = rays.len();
     let shadow_ray = |ray: &LightRay| ShadowRay {
         point,
         ray: ray.ray,
         weight: ray.weight(),
+        beside: 0.0,
     };
     world.for_each_light_ray(light, light_points, |ray| {
         if ray.exact {
+            beside += ray.weight();
             exact = Some(shadow_ray(&ray));
         } else {
             rays.push(shadow_ray(&ray));
@@ -87,6 +90,9 @@ fn gather_rays(
     // Exact rays tell something only where there are no others: that the light is there.
     if rays.len() == before {
         rays.extend(exact);
+    }
+    for ray in &mut rays[before..] {
+        ray.beside = beside;
     }
 }
 
@@ -147,7 +153,7 @@ impl Visibility for VisibilityOf<'_> {
         let point = &self.points[point as usize];
         let light_points = point.light_points(self.strata);
         let weights = sampling::square_to_triangle(random.uniform2(0));
-        let triangle = self.world.scene().geometry.triangle(triangle);
+        let triangle = self.world.triangle(triangle)?;
         let place = triangle.a
             + weights.x * (triangle.b - triangle.a)
             + weights.y * (triangle.c - triangle.a);

@@ -151,10 +151,9 @@ mod tests {
     fn learn(tree: &mut LieTree, point: Vec3) {
         let stripe = (20.0 * (point.x + point.y)) as u32;
         let outcome = |light| Outcome {
-            light,
             blocker: stripe.is_multiple_of(2).then_some(stripe),
-            rays: 1,
             importance: 1.0,
+            ..Outcome::of(light)
         };
         tree.record(&[Observation {
             outcomes: vec![outcome(0), outcome(3)],

@@ -14,6 +14,10 @@ use crate::{
 /// that block most.
 const ASKED_FIRST: usize = 8;
 
+/// Known occluders that are asked once the scene has named a new one: a longer list need not
+/// be the shortest.
+const ASKED_THEN: usize = 32;
+
 /// Observes a handful of neighbouring points together, one light after the other.
 ///
 /// A list grows only where no known occluder blocks the ray, so it stays short. (The paper
@@ -49,6 +53,8 @@ struct Scratch {
     /// New occluders that nothing has been aimed past yet: cell and triangle.
     fresh: Vec<(usize, u32)>,
     neighbours: Vec<u32>,
+    /// For each cell whether some ray from it has reached the light.
+    reached: Vec<bool>,
     /// For each cell the rays that start in it.
     sources: Vec<Range<usize>>,
 }
@@ -90,6 +96,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
             scratch: Scratch {
                 found: vec![vec![]; cells.len()],
                 sources: vec![0..0; cells.len()],
+                reached: vec![false; cells.len()],
                 ..Scratch::default()
             },
             cells,
@@ -107,6 +114,9 @@ impl<'a, V: Visibility> Observer<'a, V> {
         self.scratch.fates.resize(rays.len(), Fate::default());
         self.scratch.open.clear();
         self.scratch.sources.fill(0..0);
+        for (reached, cell) in self.scratch.reached.iter_mut().zip(&self.cells) {
+            *reached = cell.evidence(light).is_some_and(LightEvidence::is_lit);
+        }
         let mut start = 0;
         while start < rays.len() {
             let rest = &rays[start..rays.len().min(start + GROUP)];
@@ -167,7 +177,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
         let gathered = gather(self.world, chunk.iter());
         let mut open = (1u32 << chunk.len()) - 1;
         let first = listed.iter().take(ASKED_FIRST);
-        let found = self.scratch.found[place].iter();
+        let found = self.scratch.found[place].iter().take(ASKED_FIRST);
         let known = first
             .map(|occluder| (occluder.triangle, true))
             .chain(found.map(|&triangle| (triangle, false)));
@@ -217,7 +227,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
         }
         let alone = self.world.gather(&[ray.ray]);
         let blocks = |triangle: u32| self.world.blocked_by(triangle, &alone) != 0;
-        let rest = listed.iter().skip(ASKED_FIRST);
+        let rest = listed.iter().skip(ASKED_FIRST).take(ASKED_THEN);
         if let Some(known) = rest
             .map(|known| known.triangle)
             .find(|&known| blocks(known))
@@ -225,8 +235,12 @@ impl<'a, V: Visibility> Observer<'a, V> {
             return fate(known, true);
         }
         let found = &mut self.scratch.found[place];
-        if let Some(&known) = found.iter().find(|&&known| blocks(known)) {
+        let mut asked = found.iter().take(ASKED_THEN);
+        if let Some(&known) = asked.find(|&&known| known == blocker || blocks(known)) {
             return fate(known, false);
+        }
+        if found.contains(&blocker) {
+            return fate(blocker, false);
         }
         found.push(blocker);
         self.scratch.fresh.push((place, blocker));
@@ -264,6 +278,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
                     Standing::Doubtful | Standing::Crowded => fate.blocker.is_none(),
                 };
                 weight += ray.weight;
+                self.scratch.reached[place] |= fate.blocker.is_none();
                 seen.predicted += if shown { ray.weight } else { 0.0 };
                 seen.actual += if fate.blocker.is_none() {
                     ray.weight
@@ -275,26 +290,40 @@ impl<'a, V: Visibility> Observer<'a, V> {
                 .evidence(light)
                 .is_some_and(LightEvidence::is_past_listing)
             {
-                count(&mut seen.outcomes, light, fates, weight);
+                count(&mut seen.outcomes, light, group, fates, weight);
             }
         }
     }
 }
 
 /// Adds one outcome for each different fate.
-fn count(outcomes: &mut Vec<Outcome>, light: u32, fates: &[Fate], importance: f32) {
+fn count(
+    outcomes: &mut Vec<Outcome>,
+    light: u32,
+    rays: &[ShadowRay],
+    fates: &[Fate],
+    importance: f32,
+) {
     let first = outcomes.len();
-    for fate in fates {
+    for (ray, fate) in rays.iter().zip(fates) {
+        let luminance = match fate.blocker {
+            None => ray.weight,
+            Some(_) => 0.0,
+        };
         let same = outcomes[first..]
             .iter_mut()
             .find(|outcome| outcome.blocker == fate.blocker);
         match same {
-            Some(outcome) => outcome.rays += 1,
+            Some(outcome) => {
+                outcome.rays += 1;
+                outcome.luminance += luminance;
+            }
             None => outcomes.push(Outcome {
-                light,
                 blocker: fate.blocker,
-                rays: 1,
                 importance,
+                luminance,
+                beside: ray.beside,
+                ..Outcome::of(light)
             }),
         }
     }

@@ -10,6 +10,7 @@ const SETTINGS: FrameSettings = FrameSettings {
     samples_per_pixel: 2,
     light_samples: 5,
     seed: 3,
+    ward: None,
 };
 
 fn scenes() -> Vec<World> {

@@ -12,3 +12,4 @@ mod reflection;
 mod seen;
 mod shadows;
 mod stage;
+mod ward;

@@ -107,6 +107,7 @@ pub(crate) fn seen(world: &World, eye: Vec3, target: Vec3, light_samples: u32, s
         samples_per_pixel: 1,
         light_samples,
         seed,
+        ward: None,
     };
     render_frame(world, None, &camera, &settings, &mut |_| {})
         .0

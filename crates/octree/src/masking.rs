@@ -1,0 +1,58 @@
+use crate::{LieSettings, LightEvidence, Observation};
+
+/// Own rays to a light from a cell below which it is never masked, whatever the trust.
+const ENOUGH: u32 = 32;
+
+/// The least that a cell's samples show: what Weber's law holds masked lights against.
+///
+/// The paper keeps each light's minimum and adds them up (LIE §5). The minimum of the sums
+/// is at least as large, and no less of a bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Shown {
+    /// Luminance of the darkest sample, all lights together; `None` before the first.
+    least: Option<f32>,
+}
+
+impl Shown {
+    /// Takes in a sample.
+    pub(crate) fn record(&mut self, seen: &Observation) {
+        let luminance: f32 = seen.outcomes.iter().map(|outcome| outcome.luminance).sum();
+        self.least = Some(self.least.map_or(luminance, |least| least.min(luminance)));
+    }
+
+    /// Luminance of the darkest sample; 0 before the first.
+    pub(crate) fn least(self) -> f32 {
+        self.least.unwrap_or(0.0)
+    }
+
+    /// Marks the lights that the others mask: from the one that gives least at its best on,
+    /// while all of them together give no more than a fraction of what the darkest sample
+    /// shows (LIE §5). Only lights that are known to reach the cell, and well enough, may be
+    /// masked. Everything is decided anew each time.
+    pub(crate) fn mask(self, lights: &mut [LightEvidence], settings: &LieSettings) {
+        for entry in lights.iter_mut() {
+            entry.masked = false;
+        }
+        if settings.masking <= 0.0 {
+            return;
+        }
+        let limit = f64::from(settings.masking) * f64::from(self.least());
+        let may_be_masked = |entry: &&mut LightEvidence| {
+            let own = entry.clear.saturating_add(entry.blocked);
+            let agreed = entry.agreed.min(own);
+            let is_known = agreed >= ENOUGH && entry.is_enough(agreed, settings.trust);
+            is_known && entry.is_lit() && !entry.crowded
+        };
+        let mut faint: Vec<&mut LightEvidence> = lights.iter_mut().filter(may_be_masked).collect();
+        // Stable: of equal lights the one with the lower number goes first.
+        faint.sort_by(|a, b| a.most.total_cmp(&b.most));
+        let mut error = 0.0;
+        for entry in faint {
+            error += f64::from(entry.most);
+            if error > limit {
+                break;
+            }
+            entry.masked = true;
+        }
+    }
+}
