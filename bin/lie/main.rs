@@ -44,6 +44,8 @@ enum Command {
     Render(cmd::render::Render),
     Compare(cmd::compare::Compare),
     #[command(subcommand)]
+    Bench(cmd::bench::BenchCommand),
+    #[command(subcommand)]
     Scene(cmd::scene::SceneCommand),
 }
 
@@ -72,6 +74,7 @@ fn run_command(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::View(view)) => cmd::view::execute(&view),
         Some(Command::Render(render)) => cmd::render::execute(&render),
         Some(Command::Compare(compare)) => cmd::compare::execute(&compare),
+        Some(Command::Bench(bench)) => cmd::bench::execute(&bench),
         Some(Command::Scene(scene)) => cmd::scene::execute(&scene),
         None => run_command(Arguments::parse_from([
             "lie",

@@ -1,0 +1,349 @@
+//! Measurement: what is measured and written is in `lie-bench`; here are its arguments.
+
+mod output;
+mod subject;
+
+use std::{path::PathBuf, time::Duration};
+
+use clap::{Args, Subcommand};
+use lie_bench::{
+    Contender, Effort, Figure, FrameRow, FramesConfig, Lineup, SceneFrames, Section, Stage,
+    converge::{self, ConvergeConfig, Convergence},
+    measure_frames, table1, table2,
+};
+use lie_farm::ConstructSettings;
+
+use self::{
+    output::{Output, progress_bar, teller},
+    subject::Subject,
+};
+use super::render::Construction;
+use crate::{
+    args::{self, say},
+    process,
+};
+
+/// Measures frames against the standard ray tracer's, with the error that they have.
+///
+/// Each command measures some scenes, those made after the paper's by default, prints a
+/// table, and writes JSON and a report if asked to.
+#[derive(Subcommand)]
+pub(crate) enum BenchCommand {
+    Table1(Table1),
+    Table2(Table2),
+    Converge(Converge),
+    Report(Report),
+}
+
+/// The paper's Table 1: time, speed-up and error of a frame, by each integrator.
+///
+/// LIEs are constructed first; then the integrators render in turn. The paper's figures stand
+/// beside ours.
+#[derive(Args)]
+pub(crate) struct Table1 {
+    #[command(flatten)]
+    subject: Subject,
+    #[command(flatten)]
+    frames: Frames,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// The paper's Table 2: what the time of a frame with LIEs goes to.
+#[derive(Args)]
+pub(crate) struct Table2 {
+    #[command(flatten)]
+    subject: Subject,
+    #[command(flatten)]
+    frames: Frames,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// Error and frame time from a cold start, while LIEs are constructed: after a quarter of a
+/// pass over the picture, a half, one, two, four and so on.
+///
+/// Once as in the paper, relying on what little is known, and once with trust, which traces
+/// what is in doubt.
+#[derive(Args)]
+pub(crate) struct Converge {
+    #[command(flatten)]
+    subject: Subject,
+    #[command(flatten)]
+    course: Course,
+    /// Render the standard's frame and the first ones this often, in turn.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
+    repeat: u32,
+    /// Threads; 0 is one for each core.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    threads: usize,
+    /// Passes over the picture after which convergence is given up.
+    #[arg(long, conflicts_with = "samples", value_parser = clap::value_parser!(u64).range(1..=100_000), value_name = "N")]
+    passes: Option<u64>,
+    #[command(flatten)]
+    construction: Construction,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// All tables and plots in one report, as Markdown with its pictures in a folder beside it.
+#[derive(Args)]
+pub(crate) struct Report {
+    #[command(flatten)]
+    subject: Subject,
+    #[command(flatten)]
+    frames: Frames,
+    #[command(flatten)]
+    course: Course,
+    /// The report.
+    #[arg(long, default_value = "docs/results.md", value_name = "FILE.md")]
+    out: PathBuf,
+    /// Write all rows to this file as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// How frames are measured.
+#[derive(Args)]
+struct Frames {
+    /// Frames of each integrator, in turn; times are medians.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
+    repeat: u32,
+    /// Numbers of threads, one measurement for each; 0 is one for each core.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "1,0",
+        value_name = "N,N,…"
+    )]
+    threads: Vec<usize>,
+    /// Construct for exactly so many passes over the picture instead of until converged.
+    #[arg(long, conflicts_with = "samples", value_parser = clap::value_parser!(u64).range(1..=100_000), value_name = "N")]
+    passes: Option<u64>,
+    #[command(flatten)]
+    construction: Construction,
+}
+
+/// How convergence is followed.
+#[derive(Args, Clone, Copy)]
+struct Course {
+    /// Seconds for each scene's way to convergence; no step begins after them.
+    #[arg(long, default_value = "300", value_parser = subject::seconds, value_name = "SECONDS")]
+    limit: Duration,
+    /// Frames of a walk along the scene's first walkthrough, whose worst error is told; 0 is
+    /// none.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=1000), value_name = "N")]
+    walk_frames: u32,
+}
+
+/// Passes over the picture after which construction gives up waiting for convergence.
+const MAX_PASSES: u64 = 64;
+
+pub(crate) fn execute(command: &BenchCommand) -> anyhow::Result<()> {
+    match command {
+        BenchCommand::Table1(arguments) => arguments.execute(),
+        BenchCommand::Table2(arguments) => arguments.execute(),
+        BenchCommand::Converge(arguments) => arguments.execute(),
+        BenchCommand::Report(arguments) => arguments.execute(),
+    }
+}
+
+impl Table1 {
+    fn execute(&self) -> anyhow::Result<()> {
+        self.output.prepare()?;
+        let mut rows = vec![];
+        let mut pictures = vec![];
+        for scene in self.subject.load()? {
+            let stage = scene.stage();
+            let frames = self.frames.measure(&stage, Contender::ALL)?;
+            pictures.push(Figure::of_frame(&stage, frames.picture));
+            rows.extend(frames.rows);
+        }
+        say(table1::table(&rows).text())?;
+        self.output.write_json(&[("rows", table1::json(&rows))])?;
+        self.output.write_report("table1", "Table 1", || {
+            Ok(vec![table1::section(&rows)?, gallery(pictures)])
+        })
+    }
+}
+
+impl Table2 {
+    fn execute(&self) -> anyhow::Result<()> {
+        self.output.prepare()?;
+        let mut rows = vec![];
+        let mut pictures = vec![];
+        for scene in self.subject.load()? {
+            let stage = scene.stage();
+            let frames = self.frames.measure(&stage, &[Contender::Lie])?;
+            pictures.push(Figure::of_frame(&stage, frames.picture));
+            rows.extend(frames.rows);
+        }
+        say(table2::table(&rows).text())?;
+        self.output.write_json(&[("rows", table2::json(&rows))])?;
+        self.output.write_report("table2", "Table 2", || {
+            Ok(vec![table2::section(&rows)?, gallery(pictures)])
+        })
+    }
+}
+
+impl Converge {
+    fn execute(&self) -> anyhow::Result<()> {
+        self.output.prepare()?;
+        let mut rows = vec![];
+        let mut summary = vec![];
+        let mut pictures = vec![];
+        for scene in self.subject.load()? {
+            let stage = scene.stage();
+            let samples = self.construction.samples;
+            let config = ConvergeConfig {
+                repeat: self.repeat,
+                threads: process::threads(self.threads)?,
+                max_samples: samples.unwrap_or(self.passes.unwrap_or(MAX_PASSES) * stage.pixels()),
+                ..self
+                    .course
+                    .config(construct_settings(&self.construction, &stage))
+            };
+            let followed = follow(&stage, &config)?;
+            rows.extend(followed.rows);
+            summary.extend(followed.summary);
+            pictures.push(Figure::of_frame(&stage, followed.reference));
+        }
+        say(converge::table(&rows).text())?;
+        say(converge::summary_table(&summary).text())?;
+        self.output.write_json(&[
+            ("rows", converge::rows_json(&rows)),
+            ("summary", converge::summary_json(&summary)),
+        ])?;
+        self.output.write_report("converge", "Convergence", || {
+            Ok(vec![converge::section(&rows, &summary)?, gallery(pictures)])
+        })
+    }
+}
+
+impl Report {
+    fn execute(&self) -> anyhow::Result<()> {
+        output::prepare(self.json.as_deref(), self.out.parent())?;
+        let mut frame_rows: Vec<FrameRow> = vec![];
+        let (mut rows, mut summary, mut pictures) = (vec![], vec![], vec![]);
+        for scene in self.subject.load()? {
+            let stage = scene.stage();
+            let frames = self.frames.measure(&stage, Contender::ALL)?;
+            pictures.push(Figure::of_frame(&stage, frames.picture));
+            frame_rows.extend(frames.rows);
+            let settings = construct_settings(&self.frames.construction, &stage);
+            let most = self.frames.threads()?.into_iter().max();
+            let config = ConvergeConfig {
+                repeat: self.frames.repeat,
+                threads: most.unwrap_or_else(process::cores),
+                max_samples: self
+                    .frames
+                    .samples(&stage)
+                    .unwrap_or(MAX_PASSES * stage.pixels()),
+                ..self.course.config(settings)
+            };
+            let followed = follow(&stage, &config)?;
+            rows.extend(followed.rows);
+            summary.extend(followed.summary);
+        }
+        say(table1::table(&frame_rows).text())?;
+        say(table2::table(&frame_rows).text())?;
+        say(converge::summary_table(&summary).text())?;
+        if let Some(path) = &self.json {
+            let parts = [
+                ("table1", table1::json(&frame_rows)),
+                ("table2", table2::json(&frame_rows)),
+                ("converge", converge::rows_json(&rows)),
+                ("converge_summary", converge::summary_json(&summary)),
+            ];
+            args::write_json(path, &output::envelope(&parts))?;
+        }
+        let sections = vec![
+            table1::section(&frame_rows)?,
+            table2::section(&frame_rows)?,
+            converge::section(&rows, &summary)?,
+            gallery(pictures),
+        ];
+        output::write_report(&self.out, "Results", sections)
+    }
+}
+
+impl Frames {
+    /// Constructs LIEs of the view on all cores, and renders it by these integrators.
+    fn measure(&self, stage: &Stage, contenders: &[Contender]) -> anyhow::Result<SceneFrames> {
+        let config = FramesConfig {
+            threads: self.threads()?,
+            repeat: self.repeat,
+        };
+        let max_passes = MAX_PASSES;
+        let until_converged = Effort::UntilConverged { max_passes };
+        let effort = self.samples(stage).map_or(until_converged, Effort::Samples);
+        let bar = progress_bar();
+        let tell = teller(&bar);
+        let settings = construct_settings(&self.construction, stage);
+        let lineup = Lineup::construct(stage, contenders, settings, effort, &tell)?;
+        if !lineup.has_converged() && effort == until_converged {
+            let name = stage.name();
+            tracing::warn!("{name}: the view has not converged after {MAX_PASSES} passes");
+        }
+        let frames = measure_frames(stage, &lineup, &config, &tell)?;
+        bar.finish_and_clear();
+        Ok(frames)
+    }
+
+    /// Each number once, in order.
+    fn threads(&self) -> anyhow::Result<Vec<usize>> {
+        let mut all = vec![];
+        for &wanted in &self.threads {
+            let threads = process::threads(wanted)?;
+            if !all.contains(&threads) {
+                all.push(threads);
+            }
+        }
+        Ok(all)
+    }
+
+    /// How many pixels to sample, if that was said.
+    fn samples(&self, stage: &Stage) -> Option<u64> {
+        let passes = self.passes.map(|passes| passes * stage.pixels());
+        passes.or(self.construction.samples)
+    }
+}
+
+impl Course {
+    /// What is the same for every scene; the rest is to be filled in.
+    fn config(self, construct: ConstructSettings) -> ConvergeConfig {
+        ConvergeConfig {
+            construct,
+            threads: 0,
+            repeat: 1,
+            max_samples: 0,
+            walk_frames: self.walk_frames,
+            limit: Some(self.limit),
+        }
+    }
+}
+
+fn follow(stage: &Stage, config: &ConvergeConfig) -> anyhow::Result<Convergence> {
+    let bar = progress_bar();
+    let walkthrough = stage.world().scene().walkthroughs.first();
+    let followed = converge::converge(stage, walkthrough, config, &teller(&bar))?;
+    bar.finish_and_clear();
+    Ok(followed)
+}
+
+fn construct_settings(construction: &Construction, stage: &Stage) -> ConstructSettings {
+    ConstructSettings {
+        threads: process::cores(),
+        ..construction.settings(stage.world().scene())
+    }
+}
+
+/// The scenes as they were seen.
+fn gallery(figures: Vec<Figure>) -> Section {
+    Section {
+        heading: "The views".to_owned(),
+        paragraphs: vec![],
+        tables: vec![],
+        figures,
+    }
+}

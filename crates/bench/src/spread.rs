@@ -1,0 +1,42 @@
+/// What repetitions of one measurement gave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// The middle one; of an even number, the mean of the two in the middle.
+    pub median: f64,
+    /// The smallest.
+    pub min: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of some values, in any order; `None` of none.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let (&min, &max) = (sorted.first()?, sorted.last()?);
+        let upper = sorted.len() / 2;
+        let median = if sorted.len() % 2 == 1 {
+            sorted[upper]
+        } else {
+            0.5 * (sorted[upper - 1] + sorted[upper])
+        };
+        Some(Self { median, min, max })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_do_not_depend_on_order() {
+        let spread = |values: &[f64]| Spread::of(values).map(|s| (s.median, s.min, s.max));
+        assert_eq!(spread(&[]), None);
+        assert_eq!(spread(&[3.0]), Some((3.0, 3.0, 3.0)));
+        assert_eq!(spread(&[5.0, 1.0]), Some((3.0, 1.0, 5.0)));
+        assert_eq!(spread(&[9.0, 1.0, 2.0]), Some((2.0, 1.0, 9.0)));
+        assert_eq!(spread(&[4.0, 1.0, 100.0, 2.0]), Some((3.0, 1.0, 100.0)));
+    }
+}

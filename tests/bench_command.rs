@@ -1,0 +1,304 @@
+//! `lie bench`, as the real binary.
+
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::{fs, path::Path, process::Command};
+
+use serde_json::Value;
+use support::{cornell, failure, lie, succeeds};
+
+/// A small measurement of the Cornell box.
+fn bench(command: &str, more: &[&str]) -> Command {
+    let mut bench = lie();
+    bench.args(["bench", command]).arg(cornell());
+    if !more.contains(&"--size") {
+        bench.args(["--size", "64x48"]);
+    }
+    bench.args(more);
+    bench
+}
+
+/// What a measurement writes to `--json`.
+fn json(mut bench: Command) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rows.json");
+    succeeds(bench.arg("--json").arg(&path));
+    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
+}
+
+/// Checks that rows have these keys, and a number in those that are not in `may_be_null`.
+fn check_rows(rows: &Value, keys: &str, may_be_null: &[&str]) {
+    let rows = rows.as_array().unwrap();
+    assert!(!rows.is_empty());
+    for row in rows {
+        for key in keys.split(' ') {
+            let value = row.get(key).unwrap_or_else(|| panic!("no {key} in {row}"));
+            let is_text = ["scene", "integrator", "mode"].contains(&key);
+            let is_right = if is_text {
+                value.is_string()
+            } else {
+                value.is_number()
+            };
+            assert!(
+                is_right || (value.is_null() && may_be_null.contains(&key)),
+                "{key} in {row}"
+            );
+        }
+    }
+}
+
+#[test]
+fn table1_compares_every_integrator_with_the_standard() {
+    let written = json(bench("table1", &["--repeat", "1", "--threads", "1,2,1"]));
+    let keys = "scene integrator threads frame_ms frame_ms_min frame_ms_max speedup relative_rmse \
+                flip_mean lie_bytes";
+    check_rows(&written["rows"], keys, &[]);
+    let rows = written["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 8, "four integrators on one thread and on two");
+    let (one, two) = rows.split_at(rows.len() / 2);
+    assert!(one.iter().all(|row| row["threads"] == 1));
+    assert!(two.iter().all(|row| row["threads"] == 2));
+    assert_eq!(one[0]["integrator"], "standard");
+    for row in rows {
+        let number = |key: &str| row[key].as_f64().unwrap();
+        assert_eq!(row["scene"], "cornell");
+        assert!(number("frame_ms") > 0.0 && number("speedup") > 0.0, "{row}");
+        assert!(number("frame_ms_min") <= number("frame_ms"), "{row}");
+        assert!(number("frame_ms_max") >= number("frame_ms"), "{row}");
+        if row["integrator"] == "standard" {
+            assert_eq!((number("speedup"), number("relative_rmse")), (1.0, 0.0));
+        }
+        if row["integrator"] == "lie" {
+            assert!(
+                number("lie_bytes") > 0.0 && number("relative_rmse") < 0.02,
+                "{row}"
+            );
+        }
+    }
+    assert!(written["machine"]["cores"].as_u64().unwrap() > 0);
+    assert!(
+        written["command"]
+            .as_str()
+            .unwrap()
+            .starts_with("lie bench table1")
+    );
+}
+
+#[test]
+fn table2_says_where_the_time_goes() {
+    let written = json(bench("table2", &["--repeat", "2", "--threads", "1"]));
+    let keys = "scene threads visibility_ms unoccluded_ms partial_ms total_ms relative_rmse";
+    check_rows(&written["rows"], keys, &[]);
+    let rows = written["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 1);
+    for key in ["visibility_ms", "total_ms"] {
+        assert!(rows[0][key].as_f64().unwrap() > 0.0, "{key}");
+    }
+}
+
+#[test]
+fn converge_begins_with_nothing_and_ends_near_the_standard() {
+    let more = [
+        "--repeat",
+        "1",
+        "--limit",
+        "60",
+        "--passes",
+        "16",
+        "--walk-frames",
+        "2",
+    ];
+    let written = json(bench(
+        "converge",
+        &[&more[..], &["--size", "128x96"]].concat(),
+    ));
+    let keys = "scene mode time_ms samples relative_rmse trusted_fraction";
+    check_rows(&written["rows"], keys, &[]);
+    let keys = "scene mode standard_frame_ms converged_ms first_frame_ms \
+                first_frame_relative_rmse worst_walk_relative_rmse lie_bytes";
+    check_rows(&written["summary"], keys, &["converged_ms"]);
+    for mode in ["paper", "trust"] {
+        let rows = written["rows"].as_array().unwrap();
+        let rows: Vec<&Value> = rows.iter().filter(|row| row["mode"] == mode).collect();
+        let (first, last) = (rows[0], rows[rows.len() - 1]);
+        assert_eq!(
+            (&first["time_ms"], &first["samples"]),
+            (&0.0.into(), &0.into())
+        );
+        for pair in rows.windows(2) {
+            for key in ["time_ms", "samples"] {
+                assert!(pair[0][key].as_f64() < pair[1][key].as_f64(), "{key} rises");
+            }
+        }
+        assert!(last["relative_rmse"].as_f64().unwrap() < 0.02, "{last}");
+        // Nothing known is dark in the paper's mode, and traced with trust.
+        let cold = first["relative_rmse"].as_f64().unwrap();
+        assert_eq!(cold > 0.1, mode == "paper", "{first}");
+    }
+    let summary = written["summary"].as_array().unwrap();
+    assert_eq!(summary.len(), 2);
+    assert!(
+        summary
+            .iter()
+            .all(|line| line["lie_bytes"].as_u64().unwrap() > 0)
+    );
+}
+
+#[test]
+fn a_limit_ends_convergence_early() {
+    let more = ["--repeat", "1", "--limit", "0.000001"];
+    let written = json(bench("converge", &more));
+    assert_eq!(
+        written["rows"].as_array().unwrap().len(),
+        2,
+        "only the first frames"
+    );
+    for line in written["summary"].as_array().unwrap() {
+        assert!(line["converged_ms"].is_null() && line["worst_walk_relative_rmse"].is_null());
+        assert!(line["standard_frame_ms"].as_f64().unwrap() > 0.0);
+    }
+}
+
+#[test]
+fn a_report_has_tables_plots_and_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("docs/results.md");
+    let mut report = bench(
+        "report",
+        &["--repeat", "1", "--passes", "2", "--limit", "10"],
+    );
+    succeeds(report.arg("--out").arg(&out));
+    let text = fs::read_to_string(&out).unwrap();
+    for part in [
+        "Table 1",
+        "Table 2",
+        "Convergence",
+        "processor",
+        "rustc",
+        "lie bench report",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    check_links(&out, &text);
+    let picture = lie_render::read_image(&out.with_extension("").join("cornell.png")).unwrap();
+    assert_eq!(picture.size(), glam::UVec2::new(64, 48));
+
+    let mut table = bench(
+        "table1",
+        &["--repeat", "1", "--passes", "1", "--threads", "1"],
+    );
+    succeeds(table.arg("--report").arg(folder.path()));
+    let out = folder.path().join("table1.md");
+    check_links(&out, &fs::read_to_string(&out).unwrap());
+}
+
+/// Every picture that a report shows is there.
+fn check_links(report: &Path, text: &str) {
+    let links: Vec<&str> = text
+        .split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split(')').next())
+        .collect();
+    assert!(links.len() > 1, "{text}");
+    for link in links {
+        let path = report.parent().unwrap().join(link);
+        assert!(fs::metadata(&path).unwrap().len() > 0, "{}", path.display());
+    }
+}
+
+#[test]
+fn wrong_arguments_end_in_2_and_say_what_was_expected() {
+    for (command, arguments, expected) in [
+        ("table1", &["no/such/scene"][..], "no/such/scene"),
+        ("table1", &["--camera", "nowhere"], "it has: front"),
+        ("table1", &["--size", "64"], "WIDTHxHEIGHT"),
+        ("table1", &["--size", "0x3"], "WIDTHxHEIGHT"),
+        ("table1", &["--repeat", "0"], "--repeat"),
+        ("table1", &["--threads", "1,x"], "--threads"),
+        ("table1", &["--threads", "5000"], "5000 threads"),
+        ("table1", &["--passes", "0"], "--passes"),
+        (
+            "table1",
+            &["--passes", "1", "--samples", "1"],
+            "cannot be used with",
+        ),
+        (
+            "table1",
+            &["scenes/cornell"],
+            "another scene is called 'cornell'",
+        ),
+        ("table2", &["--repeat", "-1"], "-1"),
+        ("table2", &["--accel", "kd"], "bvh, grid"),
+        ("converge", &["--limit", "0"], "seconds"),
+        ("converge", &["--limit", "inf"], "seconds"),
+        ("converge", &["--walk-frames", "x"], "--walk-frames"),
+        ("converge", &["--threads", "1,2"], "--threads"),
+        ("report", &["--no-such-option"], "--no-such-option"),
+        ("table3", &[], "table3"),
+    ] {
+        let message = failure(&mut bench(command, arguments), 2);
+        assert!(
+            message.contains(expected),
+            "{command} {arguments:?}: {message}"
+        );
+    }
+}
+
+#[test]
+fn where_nothing_can_be_written_nothing_is_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    let mut table = bench("table1", &[]);
+    table
+        .arg("--json")
+        .arg(folder.path().join("no/such/rows.json"));
+    assert!(failure(&mut table, 1).contains("no/such"));
+    let mut table = bench("table1", &[]);
+    table.arg("--report").arg(&file);
+    assert!(failure(&mut table, 1).contains("file"));
+}
+
+/// One camera, no walkthrough, and nothing that shines but what is there by default.
+#[test]
+fn a_bare_model_can_be_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = folder.path().join("floor.obj");
+    fs::write(
+        &model,
+        "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n",
+    )
+    .unwrap();
+    for command in ["table1", "converge"] {
+        let mut bench = lie();
+        bench.args(["bench", command]).arg(&model);
+        bench.args(["--size", "16x16", "--repeat", "1", "--passes", "2"]);
+        let written = json(bench);
+        for row in written["rows"].as_array().unwrap() {
+            assert_eq!(row["scene"], "floor");
+            assert!(row["relative_rmse"].is_number(), "{row}");
+        }
+        for line in written["summary"].as_array().into_iter().flatten() {
+            assert!(line["worst_walk_relative_rmse"].is_null(), "{line}");
+        }
+    }
+}
+
+/// Every picture is black, so that any error would be infinite.
+#[test]
+fn a_scene_that_no_light_reaches_can_be_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("dark.toml");
+    let text = "name = \"dark\"\n[[geometry]]\ngenerator = \"cornell-box\"\nkeep_lights = false\n\
+                [[light]]\nkind = \"point\"\nposition = [0, 50, 0]\nradiant_intensity = [1, 1, 1]\n";
+    fs::write(&scene, text).unwrap();
+    let mut bench = lie();
+    bench.args(["bench", "table1"]).arg(&scene);
+    bench.args(["--size", "16x16", "--repeat", "1", "--passes", "1"]);
+    let written = json(bench);
+    for row in written["rows"].as_array().unwrap() {
+        assert_eq!(row["relative_rmse"], 0.0, "{row}");
+    }
+}
