@@ -178,7 +178,8 @@ mod tests {
         };
         assert_eq!(hello.build.as_str(), "v9.0");
         let refusal = hello.check_version("v1.0").unwrap_err();
-        for part in ["version 9", "v9.0", "version 1", "v1.0"] {
+        let ours = format!("version {PROTOCOL_VERSION}");
+        for part in ["version 9", "v9.0", &ours, "v1.0"] {
             assert!(refusal.reason.as_str().contains(part), "{refusal:?}");
         }
     }
@@ -186,7 +187,7 @@ mod tests {
     #[test]
     fn the_layout_stands_still() {
         let hello = Hello {
-            protocol_version: 1,
+            protocol_version: PROTOCOL_VERSION,
             role: Role::Shader,
             threads: 8,
             listen_port: 0x1234,
@@ -194,8 +195,10 @@ mod tests {
         };
         let mut bytes = Vec::new();
         crate::encode(&Opening::Hello(hello), &mut bytes).unwrap();
-        let body = [1, 0, 1, 8, 0, 0, 0, 0x34, 0x12, 1, 0, b'b'];
-        assert_eq!(bytes[..Header::LENGTH], *b"LIE\x1a\x01\0\x01\0\x0c\0\0\0");
+        let version = PROTOCOL_VERSION as u8;
+        let body = [version, 0, 1, 8, 0, 0, 0, 0x34, 0x12, 1, 0, b'b'];
+        let header = [b'L', b'I', b'E', 0x1a, version, 0, 1, 0, 12, 0, 0, 0];
+        assert_eq!(bytes[..Header::LENGTH], header);
         assert_eq!(bytes[Header::LENGTH..], body);
     }
 }

@@ -88,7 +88,7 @@ const NEAR: f32 = 0.1;
 impl World {
     /// Calls `found` with the shadow rays to sample points on one light: one to a light
     /// without extent, stratified over the area of others. Their radiances, with those of
-    /// [`Self::for_each_lobe_ray`], add up to the light's whole. Rays that carry nothing,
+    /// the rays that follow a smooth surface's lobe, add up to the light's whole. Rays that carry nothing,
     /// whatever the visibility, are left out: from behind the surface, out of the cone, black.
     #[inline]
     pub fn for_each_light_ray(
