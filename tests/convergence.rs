@@ -110,6 +110,34 @@ const DEFAULT: &[&str] = &["--samples", "786432"];
 /// pixel, or as many as it takes.
 const PAPER: &[&str] = &["--trust", "0"];
 
+/// The paper to the letter, with the smaller of its two depths: nothing is inherited, lists
+/// have any length, and cells split however few samples they have.
+const TO_THE_LETTER: &[&str] = &[
+    "--trust",
+    "0",
+    "--from-scratch",
+    "--split-samples",
+    "1",
+    "--crowd",
+    "4294967295",
+    "--max-depth",
+    "6",
+    "--split",
+    "64",
+];
+
+#[test]
+#[ignore = "takes a minute or two"]
+fn modern_hall_to_the_letter_of_the_paper() {
+    public("modern-hall", TO_THE_LETTER);
+}
+
+#[test]
+#[ignore = "takes a minute or two"]
+fn the_gallery_to_the_letter_of_the_paper() {
+    check(&shipped("gallery"), TO_THE_LETTER);
+}
+
 #[test]
 fn the_cornell_box_as_in_the_paper() {
     check(&shipped("cornell"), PAPER);

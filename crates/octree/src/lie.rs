@@ -119,8 +119,8 @@ impl Lie {
         place.ok().map(|index| &self.lights[index])
     }
 
-    /// What shaders make of a light, masking left aside, if `trust` rays must agree on one that gives all of a
-    /// pixel's light, and fewer on one that gives less. At 0 they trust everything, as in
+    /// What shaders make of a light, masking left aside, if `trust` rays must agree on one
+    /// that gives all of a pixel's light, and fewer on one that gives less. At 0 they trust everything, as in
     /// the paper: what is not known to be lit is hidden.
     #[must_use]
     pub fn standing(&self, light: u32, trust: u32) -> Standing<'_> {

@@ -241,14 +241,14 @@ impl LieTree {
     /// The first broken one.
     pub fn validate(&self) -> Result<(), String> {
         let mut broken = Ok(());
-        let settings_allow = |listed: usize| listed <= self.settings.crowd as usize;
+        let may_be_listed = |listed: usize| listed <= self.settings.crowd as usize;
         self.tree.for_each(|key, cell| {
             let Cell::Leaf(lie) = cell else { return };
             let rising = lie.lights().is_sorted_by(|a, b| a.light < b.light)
                 && lie.hidden().is_sorted_by(|a, b| a.light < b.light);
             let counted = |entry: &LightEvidence| {
                 let hits: u32 = entry.occluders.iter().map(|occluder| occluder.hits).sum();
-                let listed = settings_allow(entry.occluders.len());
+                let listed = may_be_listed(entry.occluders.len());
                 hits <= entry.blocked && (listed || entry.inherited)
             };
             let masked = lie.lights().filter(|entry| entry.masked);
