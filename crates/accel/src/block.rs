@@ -98,10 +98,16 @@ impl TriangleBlock {
         hits
     }
 
+    /// Whether a lane's triangle may have holes.
+    #[inline(always)]
+    pub(crate) fn has_holes(&self, lane: usize) -> bool {
+        self.ids[lane] & HOLES != 0
+    }
+
     /// Whether a hit on this lane is on solid matter.
     #[inline(always)]
     pub(crate) fn is_solid(&self, lane: usize, hit: LaneHit, cutout: Option<&dyn Cutout>) -> bool {
-        if self.ids[lane] & HOLES == 0 {
+        if !self.has_holes(lane) {
             return true;
         }
         let weights = hit.hit();

@@ -40,7 +40,7 @@ impl Bvh {
     #[must_use]
     pub fn build(geometry: &Geometry, cutout: Option<Arc<dyn Cutout>>) -> Self {
         let has_holes = |id| cutout.as_ref().is_some_and(|cutout| cutout.has_holes(id));
-        let triangles = (0..geometry.len() as u32).map(|id| geometry.triangle(id));
+        let triangles = geometry.shapes().iter().copied();
         let Tree {
             nodes,
             blocks,

@@ -37,6 +37,7 @@ mod node;
 mod occluders;
 mod packet;
 mod single;
+mod stack;
 
 pub use bvh::{Bvh, BvhStats};
 pub use cutout::Cutout;

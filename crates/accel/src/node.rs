@@ -1,4 +1,3 @@
-use glam::Vec3;
 use lie_geom::{Aabb, Ray};
 
 /// Children per node.
@@ -44,7 +43,7 @@ pub(crate) enum Target {
 #[repr(align(64))]
 pub(crate) struct Node {
     /// `planes[2 · axis]` holds the minima, `planes[2 · axis + 1]` the maxima.
-    planes: [[f32; WIDTH]; 6],
+    pub(crate) planes: [[f32; WIDTH]; 6],
     pub(crate) children: [Child; WIDTH],
 }
 
@@ -122,7 +121,7 @@ pub(crate) struct SlabRay {
 
 impl SlabRay {
     pub(crate) fn new(ray: &Ray) -> Self {
-        let inverse = inverse(ray.direction);
+        let inverse = ray.direction.to_array().map(inverse);
         Self {
             origin: ray.origin.to_array(),
             inverse,
@@ -137,16 +136,14 @@ impl SlabRay {
 /// Comparisons instead of `clamp`: the same two instructions whatever the input.
 #[allow(clippy::manual_clamp)]
 #[inline(always)]
-pub(crate) fn inverse(direction: Vec3) -> [f32; 3] {
+pub(crate) fn inverse(direction: f32) -> f32 {
     const LARGEST: f32 = 1.0e30;
-    direction.to_array().map(|d| {
-        let inverse = 1.0 / d;
-        if inverse > LARGEST {
-            LARGEST
-        } else if inverse < -LARGEST {
-            -LARGEST
-        } else {
-            inverse
-        }
-    })
+    let inverse = 1.0 / direction;
+    if inverse > LARGEST {
+        LARGEST
+    } else if inverse < -LARGEST {
+        -LARGEST
+    } else {
+        inverse
+    }
 }

@@ -25,7 +25,7 @@ impl Occluders {
             .filter(|&&id| (id as usize) < geometry.len())
             .map(|&id| {
                 let holes = cutout.is_some_and(|cutout| cutout.has_holes(id));
-                (id, geometry.triangle(id), holes)
+                (id, *geometry.triangle(id), holes)
             })
             .collect();
         Self {

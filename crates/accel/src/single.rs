@@ -7,27 +7,21 @@ use crate::{
     Bvh,
     block::{BLOCK, TriangleBlock},
     node::{Child, SlabRay, Target, WIDTH},
+    stack::{Stack, with_stack},
 };
-
-/// Pending children, with where the ray enters them. One is kept per thread, so that no ray allocates.
-type Stack = Vec<(f32, Child)>;
-
-thread_local! {
-    static STACK: std::cell::RefCell<Stack> = const { std::cell::RefCell::new(Vec::new()) };
-}
 
 pub(crate) fn closest(bvh: &Bvh, ray: &Ray) -> Option<Hit> {
     if !ray.is_defined() {
         return None;
     }
-    STACK.with_borrow_mut(|stack| closest_kernel(bvh, ray, stack))
+    with_stack(|stack| closest_kernel(bvh, ray, stack))
 }
 
 pub(crate) fn blocker(bvh: &Bvh, ray: &Ray) -> Option<u32> {
     if !ray.is_defined() {
         return None;
     }
-    STACK.with_borrow_mut(|stack| blocker_kernel(bvh, ray, stack))
+    with_stack(|stack| blocker_kernel(bvh, ray, stack))
 }
 
 #[multiversion(targets(

@@ -25,4 +25,6 @@ mod triangle;
 pub use aabb::Aabb;
 pub use random::RandomKey;
 pub use ray::{Hit, Ray, SHADOW_T_MAX, offset_origin};
-pub use triangle::{LaneHit, Triangle, TriangleHit, intersect_lane};
+pub use triangle::{
+    EdgeWeights, LaneHit, Triangle, TriangleHit, edge_weights, intersect_lane, plane_distance,
+};

@@ -130,27 +130,81 @@ pub fn intersect_lane(
     t_min: f32,
     t_max: f32,
 ) -> LaneHit {
+    let weights = edge_weights([a, b, c], origin, direction);
+    let t = plane_distance(a, normal, origin, direction);
+    let hit = weights.inside() & (t > t_min) & (t < t_max);
+    LaneHit {
+        t: if hit { t } else { f32::INFINITY },
+        weight_b: weights.b,
+        weight_c: weights.c,
+        sum: weights.sum(),
+    }
+}
+
+/// How a ray passes a triangle's edges: the unscaled weights of its corners, whatever the
+/// distance. The first half of [`intersect_lane`], for kernels that stop here when no lane
+/// passes inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeWeights {
+    /// Weight of vertex `a`.
+    pub a: f32,
+    /// Weight of vertex `b`.
+    pub b: f32,
+    /// Weight of vertex `c`.
+    pub c: f32,
+}
+
+impl EdgeWeights {
+    /// Sum of the three.
+    #[must_use]
+    #[inline(always)]
+    pub fn sum(self) -> f32 {
+        self.a + self.b + self.c
+    }
+
+    /// Whether the ray's line passes inside, on either side of the triangle.
+    ///
+    /// Rounding can give a ray in the triangle's plane a finite distance, but all weights
+    /// are zero then, and so it is not inside.
+    #[must_use]
+    #[inline(always)]
+    pub fn inside(self) -> bool {
+        let front = (self.a >= 0.0) & (self.b >= 0.0) & (self.c >= 0.0);
+        let back = (self.a <= 0.0) & (self.b <= 0.0) & (self.c <= 0.0);
+        (front | back) & (self.sum() != 0.0)
+    }
+}
+
+/// The edge functions of a ray and a triangle, each the weight of the vertex opposite its
+/// edge.
+#[must_use]
+#[inline(always)]
+pub fn edge_weights(
+    [a, b, c]: [[f32; 3]; 3],
+    origin: [f32; 3],
+    direction: [f32; 3],
+) -> EdgeWeights {
     let v0 = subtract(a, origin);
     let v1 = subtract(b, origin);
     let v2 = subtract(c, origin);
-    // Edge functions, each the weight of the vertex opposite its edge.
-    let weight_b = dot(cross(subtract(v2, v0), add(v2, v0)), direction);
-    let weight_c = dot(cross(subtract(v0, v1), add(v0, v1)), direction);
-    let weight_a = dot(cross(subtract(v1, v2), add(v1, v2)), direction);
-    let front = (weight_a >= 0.0) & (weight_b >= 0.0) & (weight_c >= 0.0);
-    let back = (weight_a <= 0.0) & (weight_b <= 0.0) & (weight_c <= 0.0);
-    // A ray in the triangle's plane divides by zero: t is infinite or undefined, and the
-    // comparisons reject both.
-    let t = dot(v0, normal) / dot(normal, direction);
-    let sum = weight_a + weight_b + weight_c;
-    // Rounding can give such a ray a finite t, but all weights are zero then.
-    let hit = (front | back) & (sum != 0.0) & (t > t_min) & (t < t_max);
-    LaneHit {
-        t: if hit { t } else { f32::INFINITY },
-        weight_b,
-        weight_c,
-        sum,
+    EdgeWeights {
+        b: dot(cross(subtract(v2, v0), add(v2, v0)), direction),
+        c: dot(cross(subtract(v0, v1), add(v0, v1)), direction),
+        a: dot(cross(subtract(v1, v2), add(v1, v2)), direction),
     }
+}
+
+/// Where a ray meets the plane through `corner`. A ray in the plane divides by zero: the
+/// result is infinite or undefined, and comparisons reject both.
+#[must_use]
+#[inline(always)]
+pub fn plane_distance(
+    corner: [f32; 3],
+    normal: [f32; 3],
+    origin: [f32; 3],
+    direction: [f32; 3],
+) -> f32 {
+    dot(subtract(corner, origin), normal) / dot(normal, direction)
 }
 
 #[inline(always)]

@@ -10,7 +10,6 @@ use crate::{delta_lanes::DeltaLight, light_rays::follows_lobe};
 pub struct World {
     scene: Arc<Scene>,
     accel: Box<dyn Accel>,
-    triangles: Vec<Triangle>,
     /// For each light, its form for lanes, if it has one.
     delta_lights: Vec<Option<DeltaLight>>,
     has_lobe_lights: bool,
@@ -31,9 +30,6 @@ impl World {
         let has_holes = scene.materials.iter().any(Material::is_masked);
         let cutout: Option<Arc<dyn Cutout>> = if has_holes { Some(scene.clone()) } else { None };
         let accel = kind.build(&scene.geometry, cutout);
-        let triangles = (0..scene.geometry.len() as u32)
-            .map(|triangle| scene.geometry.triangle(triangle))
-            .collect();
         let lights = &scene.lights;
         Self {
             delta_lights: lights.iter().map(DeltaLight::new).collect(),
@@ -42,7 +38,6 @@ impl World {
             reach: scene.reach(),
             scene,
             accel,
-            triangles,
         }
     }
 
@@ -61,7 +56,7 @@ impl World {
     /// A triangle of the scene.
     #[must_use]
     pub fn triangle(&self, index: u32) -> Option<&Triangle> {
-        self.triangles.get(index as usize)
+        self.scene.geometry.shapes().get(index as usize)
     }
 
     /// A light in the form for lanes, if it has one.
@@ -92,7 +87,7 @@ impl World {
     #[must_use]
     pub fn blocked_by_any(&self, triangles: &[u32], packet: &RayPacket) -> u32 {
         let cutout = self.has_holes.then_some(&*self.scene as &dyn Cutout);
-        packet.blocked_by_any(&self.triangles, triangles, cutout)
+        packet.blocked_by_any(self.scene.geometry.shapes(), triangles, cutout)
     }
 
     /// Which of some rays (at most sixteen), given as a packet and one by one, a triangle

@@ -36,6 +36,8 @@ pub struct Geometry {
     triangles: Vec<[u32; 3]>,
     parts: Vec<MeshPart>,
     material_of: Vec<u32>,
+    /// Each triangle with its plane: worked out once, for every ray.
+    shapes: Vec<Triangle>,
 }
 
 /// Why data could not become a [`Geometry`].
@@ -119,11 +121,17 @@ impl Geometry {
         if material_of.len() != triangles.len() {
             return Err(GeometryError::Parts("(the last)".into()));
         }
+        let position = |index: u32| vertices[index as usize].position;
+        let shapes = triangles
+            .iter()
+            .map(|&[a, b, c]| Triangle::new(position(a), position(b), position(c)))
+            .collect();
         Ok(Self {
             vertices,
             triangles,
             parts,
             material_of,
+            shapes,
         })
     }
 
@@ -173,9 +181,15 @@ impl Geometry {
 
     /// A triangle's shape.
     #[must_use]
-    pub fn triangle(&self, triangle: u32) -> Triangle {
-        let [a, b, c] = self.corners(triangle).map(|vertex| vertex.position);
-        Triangle::new(a, b, c)
+    #[inline]
+    pub fn triangle(&self, triangle: u32) -> &Triangle {
+        &self.shapes[triangle as usize]
+    }
+
+    /// All triangles' shapes.
+    #[must_use]
+    pub fn shapes(&self) -> &[Triangle] {
+        &self.shapes
     }
 
     /// Bounds of all triangles (vertices that no triangle uses do not count).

@@ -105,11 +105,12 @@ impl Texture {
         let position = wrapped * size - Vec2::splat(0.5);
         let corner = position.floor();
         let weight = position - corner;
-        let (x, y) = (corner.x as i64, corner.y as i64);
-        let top = self.texel(x, y).lerp(self.texel(x + 1, y), weight.x);
-        let bottom = self
-            .texel(x, y + 1)
-            .lerp(self.texel(x + 1, y + 1), weight.x);
+        let [left, right] = neighbours(corner.x, self.width);
+        let [above, below] = neighbours(corner.y, self.height);
+        let top = self.texel(left, above);
+        let top = top.lerp(self.texel(right, above), weight.x);
+        let bottom = self.texel(left, below);
+        let bottom = bottom.lerp(self.texel(right, below), weight.x);
         let filtered = top.lerp(bottom, weight.y);
         if filtered.is_finite() {
             filtered
@@ -131,13 +132,27 @@ impl Texture {
         Vec4::from_array(sums.map(|sum| (sum / self.texels.len() as f64) as f32))
     }
 
-    fn texel(&self, x: i64, y: i64) -> Vec4 {
-        let x = x.rem_euclid(i64::from(self.width)) as usize;
-        let y = y.rem_euclid(i64::from(self.height)) as usize;
+    #[inline]
+    fn texel(&self, x: usize, y: usize) -> Vec4 {
         let [r, g, b, a] = self.texels[y * self.width as usize + x];
         let linear = |byte: u8| self.linear_of[usize::from(byte)];
         Vec4::new(linear(r), linear(g), linear(b), f32::from(a) / 255.0)
     }
+}
+
+/// A texel's number, from −1 to `count` − 1, and the next one's, both wrapped; numbers
+/// beyond, and undefined ones, become the first.
+#[inline]
+fn neighbours(number: f32, count: u32) -> [usize; 2] {
+    let count = count as usize;
+    let first = if number < 0.0 {
+        count - 1
+    } else {
+        number as usize
+    };
+    let first = if first < count { first } else { 0 };
+    let second = first + 1;
+    [first, if second < count { second } else { 0 }]
 }
 
 #[cfg(test)]

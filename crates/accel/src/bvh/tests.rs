@@ -115,7 +115,7 @@ fn check(geometry: &Geometry, cutout: Option<Arc<dyn Cutout>>, rays: &[Ray]) {
                 if let Some(blocker) = blocker {
                     let triangle = geometry.triangle(blocker);
                     assert!(triangle.intersect(ray).is_some());
-                    assert_eq!(together.blocked_by(&triangle) >> lane & 1, 1);
+                    assert_eq!(together.blocked_by(triangle) >> lane & 1, 1);
                 }
             }
             hits += usize::from(expected.is_some());
@@ -226,15 +226,15 @@ fn a_packet_asks_one_triangle_as_its_rays_would() {
             for (lane, ray) in packet.iter().enumerate() {
                 expected |= u32::from(triangle.intersect(ray).is_some()) << lane;
             }
-            assert_eq!(together.blocked_by(&triangle), expected);
+            assert_eq!(together.blocked_by(triangle), expected);
         }
-        let all: Vec<_> = (0..40).map(|index| geometry.triangle(index)).collect();
+        let all = geometry.shapes();
         let some = [3, 7, 20, 21, 33, 999];
         let expected = some
             .iter()
             .filter_map(|&index| all.get(index as usize))
             .fold(0, |mask, triangle| mask | together.blocked_by(triangle));
-        assert_eq!(together.blocked_by_any(&all, &some, None), expected);
+        assert_eq!(together.blocked_by_any(all, &some, None), expected);
     }
 }
 

@@ -74,9 +74,7 @@ impl TwoLevelGrid {
     /// nowhere.
     #[must_use]
     pub fn build(geometry: &Geometry, cutout: Option<Arc<dyn Cutout>>) -> Self {
-        let triangles: Vec<Triangle> = (0..geometry.len() as u32)
-            .map(|id| geometry.triangle(id))
-            .collect();
+        let triangles = geometry.shapes().to_vec();
         Self {
             cells: build::build(&triangles),
             triangles,

@@ -13,7 +13,7 @@ pub(super) struct Probe {
 impl Probe {
     pub(super) fn new(scene: &Scene) -> Self {
         let of = |range: std::ops::Range<u32>| {
-            let triangles: Vec<_> = range.map(|index| scene.geometry.triangle(index)).collect();
+            let triangles: Vec<_> = range.map(|index| *scene.geometry.triangle(index)).collect();
             let bounds = triangles
                 .iter()
                 .map(Triangle::bounds)

@@ -1,0 +1,201 @@
+//! Sixteen rays together: each box and each triangle is loaded once and tested against all
+//! of them.
+
+mod bounds;
+mod hits;
+mod list;
+mod traverse;
+
+use lie_geom::{Ray, SHADOW_T_MAX, Triangle};
+
+use crate::{
+    Cutout,
+    node::{WIDER, inverse},
+};
+
+pub(crate) use traverse::{blocked, blockers, closest};
+
+/// Rays per packet.
+pub const PACKET: usize = 16;
+
+/// One number for each ray.
+pub(crate) type Lanes = [f32; PACKET];
+
+/// Sixteen rays, one coordinate after the other. Coherent ones (a tile of pixels, or many
+/// points towards one light) pay off; any others are still right.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub struct RayPacket {
+    origin: [Lanes; 3],
+    direction: [Lanes; 3],
+    t_min: Lanes,
+    t_max: Lanes,
+}
+
+impl RayPacket {
+    /// A packet of up to sixteen rays; the lanes left over hit nothing.
+    ///
+    /// # Panics
+    /// If there are more than sixteen.
+    #[must_use]
+    pub fn new(rays: &[Ray]) -> Self {
+        assert!(rays.len() <= PACKET, "a packet holds {PACKET} rays");
+        let mut packet = Self {
+            origin: [[0.0; PACKET]; 3],
+            direction: [[0.0; PACKET]; 3],
+            t_min: [0.0; PACKET],
+            t_max: [f32::NEG_INFINITY; PACKET],
+        };
+        for (lane, ray) in rays.iter().enumerate() {
+            packet.set(lane, ray);
+        }
+        packet
+    }
+
+    /// The segments from sixteen places to one target ([`Ray::segment`]). Only the lanes
+    /// whose bits are set hit anything.
+    #[must_use]
+    #[inline]
+    pub fn segments(origin: &[[f32; PACKET]; 3], target: [f32; 3], lanes: u32) -> Self {
+        let mut packet = Self::new(&[]);
+        packet.origin = *origin;
+        for axis in 0..3 {
+            for lane in 0..PACKET {
+                packet.direction[axis][lane] = target[axis] - origin[axis][lane];
+            }
+        }
+        for lane in 0..PACKET {
+            if lanes >> lane & 1 == 1 {
+                packet.t_max[lane] = SHADOW_T_MAX;
+            }
+        }
+        packet
+    }
+
+    /// Which rays one triangle blocks, were it solid: bit `i` for ray `i`.
+    #[must_use]
+    pub fn blocked_by(&self, triangle: &Triangle) -> u32 {
+        list::blocked_by(self, triangle)
+    }
+
+    /// Which rays any of some triangles of `all` blocks, given by their indices. `cutout`
+    /// says where triangles have holes; `None` means nowhere.
+    #[must_use]
+    pub fn blocked_by_any(
+        &self,
+        all: &[Triangle],
+        indices: &[u32],
+        cutout: Option<&dyn Cutout>,
+    ) -> u32 {
+        list::blocked_by_any(self, all, indices, cutout)
+    }
+
+    /// One lane's ray; that of a lane left over is undefined, and hits nothing.
+    pub(crate) fn ray(&self, lane: usize) -> Ray {
+        let [origin, direction] =
+            [&self.origin, &self.direction].map(|axes| axes.map(|axis| axis[lane]).into());
+        Ray {
+            origin,
+            direction,
+            t_min: self.t_min[lane],
+            t_max: self.t_max[lane],
+        }
+    }
+
+    fn set(&mut self, lane: usize, ray: &Ray) {
+        for axis in 0..3 {
+            self.origin[axis][lane] = ray.origin[axis];
+            self.direction[axis][lane] = ray.direction[axis];
+        }
+        self.t_min[lane] = ray.t_min;
+        // An undefined ray would poison comparisons; it hits nothing.
+        self.t_max[lane] = if ray.is_defined() {
+            ray.t_max
+        } else {
+            f32::NEG_INFINITY
+        };
+    }
+
+    /// Whether a lane looks for anything.
+    #[inline(always)]
+    fn is_active(&self, lane: usize) -> bool {
+        self.t_max[lane] > f32::NEG_INFINITY
+    }
+
+    /// One over each direction.
+    #[inline(always)]
+    fn inverse(&self) -> [Lanes; 3] {
+        // Loops: a closure would be compiled apart, without the vector unit.
+        let mut inverses = [[0.0; PACKET]; 3];
+        for axis in 0..3 {
+            for lane in 0..PACKET {
+                inverses[axis][lane] = inverse(self.direction[axis][lane]);
+            }
+        }
+        inverses
+    }
+
+    /// Whether any lane enters a box before its bound.
+    #[inline(always)]
+    fn enters(
+        &self,
+        inverse: &[Lanes; 3],
+        (lowest, highest): ([f32; 3], [f32; 3]),
+        bound: &Lanes,
+    ) -> bool {
+        let mut entered = [false; PACKET];
+        for lane in 0..PACKET {
+            let mut enter = self.t_min[lane];
+            let mut leave = bound[lane];
+            for axis in 0..3 {
+                let t0 = (lowest[axis] - self.origin[axis][lane]) * inverse[axis][lane];
+                let t1 = (highest[axis] - self.origin[axis][lane]) * inverse[axis][lane];
+                let (near, far) = (if t0 < t1 { t0 } else { t1 }, if t0 < t1 { t1 } else { t0 });
+                enter = if near > enter { near } else { enter };
+                leave = if far * WIDER < leave {
+                    far * WIDER
+                } else {
+                    leave
+                };
+            }
+            entered[lane] = enter <= leave;
+        }
+        any(&entered)
+    }
+}
+
+#[inline(always)]
+fn any(lanes: &[bool; PACKET]) -> bool {
+    let mut any = false;
+    for &lane in lanes {
+        any |= lane;
+    }
+    any
+}
+
+/// The smallest of sixteen numbers; undefined ones do not count.
+#[inline(always)]
+fn smallest(lanes: &Lanes) -> f32 {
+    fold(lanes, |a, b| if a < b { a } else { b })
+}
+
+/// The largest of sixteen numbers; undefined ones do not count.
+#[inline(always)]
+fn largest(lanes: &Lanes) -> f32 {
+    fold(lanes, |a, b| if a > b { a } else { b })
+}
+
+/// Folds halves onto each other: four vector operations, where a loop would wait for each
+/// lane in turn.
+#[inline(always)]
+fn fold(lanes: &Lanes, take: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut folded = *lanes;
+    let mut width = PACKET;
+    while width > 1 {
+        width /= 2;
+        for lane in 0..width {
+            folded[lane] = take(folded[lane], folded[lane + width]);
+        }
+    }
+    folded[0]
+}
