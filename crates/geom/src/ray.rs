@@ -40,6 +40,18 @@ impl Ray {
         }
     }
 
+    /// The open segment of [`Self::segment`], seen from its other end: from just after
+    /// `target` to `origin`. Many rays to a light without extent so have one origin, and a
+    /// packet of them costs less.
+    #[must_use]
+    pub fn segment_from(target: Vec3, origin: Vec3) -> Self {
+        Self {
+            t_min: 1.0 - SHADOW_T_MAX,
+            t_max: 1.0,
+            ..Self::new(target, origin - target)
+        }
+    }
+
     /// Whether origin and direction are finite and the direction is not zero. A ray that is
     /// not defined hits nothing.
     #[must_use]

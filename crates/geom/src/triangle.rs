@@ -306,8 +306,11 @@ mod tests {
                 let direction =
                     near.normal * 1.0e-3 + x.normalize() * (u - 0.2) + z.normalize() * v;
                 let ray = Ray::new(origin, direction * 50.0);
-                assert_eq!(near.intersect(&ray), None);
-                assert_eq!(far.intersect(&ray), None);
+                let light = origin + direction * 50.0;
+                for ray in [ray, crate::Ray::segment_from(light, origin)] {
+                    assert_eq!(near.intersect(&ray), None);
+                    assert_eq!(far.intersect(&ray), None);
+                }
             }
         }
     }

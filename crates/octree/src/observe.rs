@@ -19,19 +19,19 @@ pub trait Visibility: Sync {
     fn neighbours(&self, triangle: u32, found: &mut Vec<u32>);
 
     /// A ray from a point, or from the surface close to it, to a light that goes by way of a
-    /// random place on a triangle, if it could carry light.
-    fn aim(&self, point: u32, triangle: u32, light: u32, random: RandomKey) -> Option<Ray>;
+    /// random place on a triangle, if it could carry light; and its end at the surface.
+    fn aim(&self, point: u32, triangle: u32, light: u32, random: RandomKey) -> Option<(Ray, Vec3)>;
 }
 
 /// Rays that are asked together.
 pub const GROUP: usize = 16;
 
-/// A ray from a surface point to a random point on a light.
+/// A ray between a surface point and a random point on a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowRay {
-    /// Which of the points it starts from.
+    /// Which of the points.
     pub point: u32,
-    /// The segment from the point to the light.
+    /// The segment between the two, from either end.
     pub ray: Ray,
     /// What it would add to the pixel if nothing blocked it, as luminance.
     pub weight: f32,

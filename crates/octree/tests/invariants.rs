@@ -208,7 +208,7 @@ impl Visibility for Slab {
         found.push(triangle + 1);
     }
 
-    fn aim(&self, _: u32, _: u32, _: u32, _: RandomKey) -> Option<Ray> {
+    fn aim(&self, _: u32, _: u32, _: u32, _: RandomKey) -> Option<(Ray, Vec3)> {
         None
     }
 }

@@ -62,7 +62,7 @@ impl<'a> DeltaGroup<'a> {
             if lit == 0 {
                 continue;
             }
-            let rays = RayPacket::segments(&self.points.origin, light.position, lit);
+            let rays = RayPacket::fan(light.position, &self.points.origin, lit);
             let blocked = world.blocked_by_any(&entry.occluders, &rays);
             add(&mut total, &radiance, !blocked);
             let rays = u64::from(lit.count_ones());

@@ -12,7 +12,8 @@ use crate::{Brdf, World, luminance};
 pub struct LightRay {
     /// Number of the light.
     pub light: u32,
-    /// From the surface to a point on the light.
+    /// Between the surface and a point on the light. Rays to a light without extent, but in
+    /// a place, start there ([`Ray::segment_from`]), all others at the surface.
     pub ray: Ray,
     /// Reflected radiance towards the eye, in W·sr⁻¹·m⁻².
     pub radiance: Vec3,
@@ -20,6 +21,8 @@ pub struct LightRay {
     /// cell, since it carries more than what is known of a whole cell can answer for: it goes where a smooth surface reflects to, or
     /// to a part of an area light that is so near that it fills much of the view.
     pub exact: bool,
+    /// Whether the ray starts at the light.
+    pub from_light: bool,
 }
 
 /// Everything that a light's rays at one surface point depend on.
@@ -104,7 +107,7 @@ impl World {
             let sample = light.sample(points.surface.position, Vec2::ZERO, self.reach());
             let ray = sample.and_then(|sample| {
                 let radiance = points.brdf.times_cosine(sample.wi) * sample.normal_irradiance;
-                LightRay::new(index, points.surface, sample.target, radiance)
+                LightRay::between(index, light, points.surface, sample.target, radiance)
             });
             ray.map(found);
             return;
@@ -152,7 +155,7 @@ impl World {
             let sample = light.sample(moved.position, Vec2::ZERO, self.reach())?;
             let radiance = points.brdf.times_cosine(sample.wi) * sample.normal_irradiance;
             return (t > 0.0)
-                .then(|| LightRay::new(index, &moved, sample.target, radiance))
+                .then(|| LightRay::between(index, light, &moved, sample.target, radiance))
                 .flatten();
         };
         if !is_simple(area) {
@@ -209,13 +212,40 @@ impl LightRay {
     fn new(light: u32, surface: &Surface, target: Vec3, radiance: Vec3) -> Option<Self> {
         // Not `> 0` on each: a light of one colour on a surface of another gives nothing.
         let carries = radiance.max_element() > 0.0 && radiance.is_finite();
-        let ray = Ray::segment(surface.shadow_origin, target);
-        carries.then_some(Self {
+        carries.then(|| Self {
             light,
-            ray,
+            ray: Ray::segment(surface.shadow_origin, target),
             radiance,
             exact: false,
+            from_light: false,
         })
+    }
+
+    /// A ray between a surface and a light without extent.
+    #[inline]
+    fn between(
+        index: u32,
+        light: &Light,
+        surface: &Surface,
+        target: Vec3,
+        radiance: Vec3,
+    ) -> Option<Self> {
+        let mut ray = Self::new(index, surface, target, radiance)?;
+        if !matches!(light.kind, LightKind::Directional { .. }) {
+            ray.ray = Ray::segment_from(target, surface.shadow_origin);
+            ray.from_light = true;
+        }
+        Some(ray)
+    }
+
+    /// Its end at the surface.
+    #[must_use]
+    pub fn surface_end(&self) -> Vec3 {
+        if self.from_light {
+            self.ray.at(1.0)
+        } else {
+            self.ray.origin
+        }
     }
 
     /// Luminance of what it carries.

@@ -52,8 +52,10 @@ impl RayPacket {
     /// All rays against one triangle, each up to its bound; `None` if none hits. Does what
     /// [`lie_geom::intersect_lane`] does, and no more than it must: most triangles are
     /// missed by every ray's line.
+    /// With `FAN`, which asks for rays from one apex, what is the same for all is loop
+    /// invariant: three scalar products are left for each ray. The bits are the same.
     #[inline(always)]
-    pub(crate) fn intersect(
+    pub(crate) fn intersect<const FAN: bool>(
         &self,
         (corners, normal): ([[f32; 3]; 3], [f32; 3]),
         bound: &Lanes,
@@ -64,13 +66,10 @@ impl RayPacket {
             weight_c: [0.0; PACKET],
             sum: [0.0; PACKET],
         };
+        let apex = self.apex.unwrap_or_default();
         let mut inside = [false; PACKET];
         for ray in 0..PACKET {
-            let weights = edge_weights(
-                corners,
-                self.lane_of(&self.origin, ray),
-                self.lane_of(&self.direction, ray),
-            );
+            let weights = edge_weights(corners, self.start::<FAN>(apex, ray), self.way(ray));
             inside[ray] = weights.inside() & (bound[ray] > f32::NEG_INFINITY);
             hits.weight_b[ray] = weights.b;
             hits.weight_c[ray] = weights.c;
@@ -84,8 +83,8 @@ impl RayPacket {
             let t = plane_distance(
                 corners[0],
                 normal,
-                self.lane_of(&self.origin, ray),
-                self.lane_of(&self.direction, ray),
+                self.start::<FAN>(apex, ray),
+                self.way(ray),
             );
             hit[ray] = inside[ray] & (t > self.t_min[ray]) & (t < bound[ray]);
             hits.t[ray] = if hit[ray] { t } else { f32::INFINITY };
@@ -94,8 +93,12 @@ impl RayPacket {
     }
 
     #[inline(always)]
-    fn lane_of(&self, axes: &[Lanes; 3], ray: usize) -> [f32; 3] {
-        [axes[0][ray], axes[1][ray], axes[2][ray]]
+    fn way(&self, ray: usize) -> [f32; 3] {
+        [
+            self.direction[0][ray],
+            self.direction[1][ray],
+            self.direction[2][ray],
+        ]
     }
 }
 

@@ -12,7 +12,7 @@ use crate::Cutout;
 ))]
 pub(super) fn blocked_by(packet: &RayPacket, triangle: &Triangle) -> u32 {
     packet
-        .intersect(parts(triangle), &packet.t_max)
+        .intersect::<false>(parts(triangle), &packet.t_max)
         .map_or(0, |hits| hits.mask())
 }
 
@@ -21,6 +21,20 @@ pub(super) fn blocked_by(packet: &RayPacket, triangle: &Triangle) -> u32 {
     "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
 ))]
 pub(super) fn blocked_by_any(
+    packet: &RayPacket,
+    all: &[Triangle],
+    indices: &[u32],
+    cutout: Option<&dyn Cutout>,
+) -> u32 {
+    if packet.apex.is_some() {
+        any_of::<true>(packet, all, indices, cutout)
+    } else {
+        any_of::<false>(packet, all, indices, cutout)
+    }
+}
+
+#[inline(always)]
+fn any_of<const FAN: bool>(
     packet: &RayPacket,
     all: &[Triangle],
     indices: &[u32],
@@ -36,7 +50,7 @@ pub(super) fn blocked_by_any(
         let Some(triangle) = all.get(index as usize) else {
             continue;
         };
-        let Some(hits) = packet.intersect(parts(triangle), &bound) else {
+        let Some(hits) = packet.intersect::<FAN>(parts(triangle), &bound) else {
             continue;
         };
         let mut hit = hits.mask();

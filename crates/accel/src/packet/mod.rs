@@ -30,6 +30,9 @@ pub struct RayPacket {
     direction: [Lanes; 3],
     t_min: Lanes,
     t_max: Lanes,
+    /// Where all rays start, if they do: what depends on a triangle and its distance to the
+    /// origin alone is then worked out once for all lanes.
+    apex: Option<[f32; 3]>,
 }
 
 impl RayPacket {
@@ -45,28 +48,35 @@ impl RayPacket {
             direction: [[0.0; PACKET]; 3],
             t_min: [0.0; PACKET],
             t_max: [f32::NEG_INFINITY; PACKET],
+            apex: None,
         };
         for (lane, ray) in rays.iter().enumerate() {
             packet.set(lane, ray);
         }
+        let first = rays.first().map(|ray| ray.origin);
+        if rays.iter().all(|ray| Some(ray.origin) == first) {
+            packet.apex = first.map(|origin| origin.to_array());
+        }
         packet
     }
 
-    /// The segments from sixteen places to one target ([`Ray::segment`]). Only the lanes
-    /// whose bits are set hit anything.
+    /// The segments from one place, where a light is, to sixteen others
+    /// ([`Ray::segment_from`]). Only the lanes whose bits are set hit anything.
     #[must_use]
     #[inline]
-    pub fn segments(origin: &[[f32; PACKET]; 3], target: [f32; 3], lanes: u32) -> Self {
+    pub fn fan(apex: [f32; 3], ends: &[[f32; PACKET]; 3], lanes: u32) -> Self {
         let mut packet = Self::new(&[]);
-        packet.origin = *origin;
+        packet.apex = Some(apex);
         for axis in 0..3 {
+            packet.origin[axis] = [apex[axis]; PACKET];
             for lane in 0..PACKET {
-                packet.direction[axis][lane] = target[axis] - origin[axis][lane];
+                packet.direction[axis][lane] = ends[axis][lane] - apex[axis];
             }
         }
+        packet.t_min = [1.0 - SHADOW_T_MAX; PACKET];
         for lane in 0..PACKET {
             if lanes >> lane & 1 == 1 {
-                packet.t_max[lane] = SHADOW_T_MAX;
+                packet.t_max[lane] = 1.0;
             }
         }
         packet
@@ -116,6 +126,20 @@ impl RayPacket {
         };
     }
 
+    /// Where a lane's ray starts; with `FAN`, where all of them do.
+    #[inline(always)]
+    fn start<const FAN: bool>(&self, apex: [f32; 3], lane: usize) -> [f32; 3] {
+        if FAN {
+            apex
+        } else {
+            [
+                self.origin[0][lane],
+                self.origin[1][lane],
+                self.origin[2][lane],
+            ]
+        }
+    }
+
     /// Whether a lane looks for anything.
     #[inline(always)]
     fn is_active(&self, lane: usize) -> bool {
@@ -137,19 +161,21 @@ impl RayPacket {
 
     /// Whether any lane enters a box before its bound.
     #[inline(always)]
-    fn enters(
+    fn enters<const FAN: bool>(
         &self,
         inverse: &[Lanes; 3],
         (lowest, highest): ([f32; 3], [f32; 3]),
         bound: &Lanes,
     ) -> bool {
+        let apex = self.apex.unwrap_or_default();
         let mut entered = [false; PACKET];
         for lane in 0..PACKET {
             let mut enter = self.t_min[lane];
             let mut leave = bound[lane];
+            let origin = self.start::<FAN>(apex, lane);
             for axis in 0..3 {
-                let t0 = (lowest[axis] - self.origin[axis][lane]) * inverse[axis][lane];
-                let t1 = (highest[axis] - self.origin[axis][lane]) * inverse[axis][lane];
+                let t0 = (lowest[axis] - origin[axis]) * inverse[axis][lane];
+                let t1 = (highest[axis] - origin[axis]) * inverse[axis][lane];
                 let (near, far) = (if t0 < t1 { t0 } else { t1 }, if t0 < t1 { t1 } else { t0 });
                 enter = if near > enter { near } else { enter };
                 leave = if far * WIDER < leave {

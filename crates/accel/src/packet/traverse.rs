@@ -141,6 +141,21 @@ fn traverse(
     stack: &mut Stack,
     mut found: impl FnMut(&TriangleBlock, usize, &PacketHits, &mut Lanes),
 ) {
+    if packet.apex.is_some() {
+        walk::<true>(bvh, packet, stack, &mut found);
+    } else {
+        walk::<false>(bvh, packet, stack, &mut found);
+    }
+}
+
+/// With `FAN`, all rays start at one apex.
+#[inline(always)]
+fn walk<const FAN: bool>(
+    bvh: &Bvh,
+    packet: &RayPacket,
+    stack: &mut Stack,
+    found: &mut impl FnMut(&TriangleBlock, usize, &PacketHits, &mut Lanes),
+) {
     let inverse = packet.inverse();
     let Some(bounds) = PacketBounds::new(packet, &inverse) else {
         return;
@@ -157,12 +172,12 @@ fn traverse(
             Target::Node(index) => {
                 let node = &bvh.nodes[index];
                 let entries = bounds.entries(node, farthest);
-                push_entered(node, packet, &inverse, &bound, entries, stack);
+                push_entered::<FAN>(node, packet, &inverse, &bound, entries, stack);
             }
             Target::Block(index) => {
                 let block = &bvh.blocks[index];
                 for lane in 0..block.len() {
-                    if let Some(hits) = packet.intersect(block.lane(lane), &bound) {
+                    if let Some(hits) = packet.intersect::<FAN>(block.lane(lane), &bound) {
                         found(block, lane, &hits, &mut bound);
                         farthest = largest(&bound);
                     }
@@ -174,7 +189,7 @@ fn traverse(
 
 /// Pushes the children that any ray enters, so that the nearest is popped first.
 #[inline(always)]
-fn push_entered(
+fn push_entered<const FAN: bool>(
     node: &Node,
     packet: &RayPacket,
     inverse: &[Lanes; 3],
@@ -191,7 +206,7 @@ fn push_entered(
         let lane = entered.trailing_zeros() as usize % WIDTH;
         entered &= entered - 1;
         let (entry, child) = (entries[lane], node.children[lane]);
-        if child == Child::NONE || !packet.enters(inverse, node.bounds(lane), bound) {
+        if child == Child::NONE || !packet.enters::<FAN>(inverse, node.bounds(lane), bound) {
             continue;
         }
         stack.push((entry, child));

@@ -149,7 +149,7 @@ impl Visibility for VisibilityOf<'_> {
         found.extend(self.neighbours.of(&self.world.scene().geometry, triangle));
     }
 
-    fn aim(&self, point: u32, triangle: u32, light: u32, random: RandomKey) -> Option<Ray> {
+    fn aim(&self, point: u32, triangle: u32, light: u32, random: RandomKey) -> Option<(Ray, Vec3)> {
         let point = &self.points[point as usize];
         let light_points = point.light_points(self.strata);
         let weights = sampling::square_to_triangle(random.uniform2(0));
@@ -158,6 +158,7 @@ impl Visibility for VisibilityOf<'_> {
             + weights.x * (triangle.b - triangle.a)
             + weights.y * (triangle.c - triangle.a);
         let ray = self.world.light_ray_past(light, &light_points, place);
-        ray.filter(|ray| !ray.exact).map(|ray| ray.ray)
+        ray.filter(|ray| !ray.exact)
+            .map(|ray| (ray.ray, ray.surface_end()))
     }
 }

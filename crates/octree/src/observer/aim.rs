@@ -67,8 +67,10 @@ impl<V: Visibility> Observer<'_, V> {
             let point = rays[source.start + pick.min(source.len() - 1)].point;
             let random = random.mix(u64::from(index));
             let ray = self.world.aim(point, triangle, light, random);
-            let here = |ray: &Ray| std::ptr::eq(self.tree.lie_at(ray.origin), self.cells[place]);
-            if let Some(ray) = ray.filter(here) {
+            let here = |(_, start): &(Ray, Vec3)| {
+                std::ptr::eq(self.tree.lie_at(*start), self.cells[place])
+            };
+            if let Some((ray, _)) = ray.filter(here) {
                 (points[len], aimed[len]) = (point, ray);
                 len += 1;
             }
