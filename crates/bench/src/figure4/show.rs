@@ -115,7 +115,8 @@ pub fn section(rows: &[CostRow], panels: Vec<Panel>) -> Section {
     }
 }
 
-/// A scene's picture and cost pictures, side by side.
+/// A scene's picture and the standard's cost, and below them the costs without masking and
+/// with it.
 #[must_use]
 pub fn panel(stage: &Stage, costs: &SceneCosts) -> Panel {
     let stem = file_stem(stage.name());
@@ -129,8 +130,8 @@ pub fn panel(stage: &Stage, costs: &SceneCosts) -> Panel {
         let found = all.find(|(row, _)| row.contender == contender);
         found.map(|(_, costs_us)| white_us(costs_us))
     };
-    // Dearest last.
-    for wanted in [Contender::Lie, Contender::LieMasked, Contender::Standard] {
+    // In two columns: without and with masking beside each other, as in the paper.
+    for wanted in [Contender::Standard, Contender::Lie, Contender::LieMasked] {
         let mut all = costs.rows.iter().zip(&costs.costs_us);
         let Some((row, costs_us)) = all.find(|(row, _)| row.contender == wanted) else {
             continue;
