@@ -4,10 +4,14 @@
 
 mod support;
 
-use std::{fs, path::Path, process::Command};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 use serde_json::Value;
-use support::{cornell, failure, lie, succeeds};
+use support::{cornell, failure, lie, succeeds, wait_until};
 
 /// A small measurement of the Cornell box.
 fn bench(command: &str, more: &[&str]) -> Command {
@@ -98,6 +102,92 @@ fn table2_says_where_the_time_goes() {
     }
 }
 
+/// A coarse gallery: lights enough to mask some.
+fn coarse_gallery(folder: &Path) -> PathBuf {
+    let scene = folder.join("scene.toml");
+    let text = "name = \"coarse\"\n[[geometry]]\ngenerator = \"gallery\"\ndetail = 0.25\n\
+                [settings]\nlight_samples = 4\n";
+    fs::write(&scene, text).unwrap();
+    scene
+}
+
+#[test]
+fn figure4_shows_that_masking_never_costs_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = coarse_gallery(folder.path());
+    let measure = |threads: &str| {
+        let mut bench = lie();
+        bench.args(["bench", "figure4"]).arg(&scene);
+        bench.args(["--size", "64x48", "--passes", "24", "--trust", "64"]);
+        bench
+            .args(["--threads", threads, "--report"])
+            .arg(folder.path());
+        json(bench)
+    };
+    let written = measure("1");
+    let keys = "scene integrator mean_cost_us mean_measured_us cheaper_pixels saved \
+                relative_rmse flip_mean";
+    check_rows(&written["rows"], keys, &["cheaper_pixels", "saved"]);
+    let rows = written["rows"].as_array().unwrap();
+    let names: Vec<&str> = rows
+        .iter()
+        .map(|row| row["integrator"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["standard", "lie", "lie-masked"]);
+    let number = |row: usize, key: &str| rows[row][key].as_f64().unwrap();
+    assert!(number(2, "mean_cost_us") < number(1, "mean_cost_us"));
+    assert!((0.0..=1.0).contains(&number(2, "cheaper_pixels")));
+    assert!(number(2, "cheaper_pixels") > 0.0 && number(2, "saved") > 0.0);
+    assert!(rows[1]["saved"].is_null() && rows[0]["cheaper_pixels"].is_null());
+    let again = measure("2");
+    for (row, key) in [(0, "mean_cost_us"), (1, "mean_cost_us"), (2, "saved")] {
+        assert_eq!(again["rows"][row][key], rows[row][key], "{key}");
+    }
+
+    let out = folder.path().join("figure4.md");
+    let text = fs::read_to_string(&out).unwrap();
+    check_links(&out, &text);
+    let costs = ["lie", "lie-masked", "standard"].map(|name| {
+        let file = format!("figure4/figure4-coarse-{name}.png");
+        let picture = lie_render::read_image(&folder.path().join(file)).unwrap();
+        assert_eq!(picture.size(), glam::UVec2::new(64, 48));
+        picture
+    });
+    // On one scale, masking is nowhere brighter.
+    let pixels = costs[0].radiance().iter().zip(costs[1].radiance());
+    for (without, with) in pixels {
+        assert!(with.x <= without.x && with.x == with.y && with.y == with.z);
+    }
+}
+
+#[test]
+fn a_report_is_written_as_it_grows() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let scene = coarse_gallery(folder.path());
+    let more = "--repeat 1 --limit 600 --passes 2000 --walk-frames 0 --size 16x16 --threads 1";
+    let mut report = bench("report", &more.split(' ').collect::<Vec<_>>());
+    report.arg(&scene).arg("--out").arg(path("results.md"));
+    report.arg("--json").arg(path("results.json"));
+    let mut running = report.spawn().unwrap();
+    // Two thousand passes over the gallery are far away when the box has been measured.
+    wait_until("a scene's results", || {
+        assert!(
+            running.try_wait().unwrap().is_none(),
+            "it has ended already"
+        );
+        let text = fs::read_to_string(path("results.md")).unwrap_or_default();
+        let json = fs::read(path("results.json")).unwrap_or_default();
+        let json: Value = serde_json::from_slice(&json).unwrap_or_default();
+        let rows = json["table1"]
+            .as_array()
+            .is_some_and(|rows| !rows.is_empty());
+        rows && text.contains("cornell") && !text.contains("coarse")
+    });
+    running.kill().unwrap();
+    running.wait().unwrap();
+}
+
 #[test]
 fn converge_begins_with_nothing_and_ends_near_the_standard() {
     let more = [
@@ -174,6 +264,7 @@ fn a_report_has_tables_plots_and_pictures() {
     for part in [
         "Table 1",
         "Table 2",
+        "Figure 4",
         "Convergence",
         "processor",
         "rustc",
@@ -229,6 +320,14 @@ fn wrong_arguments_end_in_2_and_say_what_was_expected() {
             &["scenes/cornell"],
             "another scene is called 'cornell'",
         ),
+        ("table1", &["--max-passes", "0"], "--max-passes"),
+        (
+            "table2",
+            &["--passes", "1", "--max-passes", "2"],
+            "cannot be used with",
+        ),
+        ("figure4", &["--threads", "1,2"], "--threads"),
+        ("figure4", &["--camera", "nowhere"], "it has: front"),
         ("table2", &["--repeat", "-1"], "-1"),
         ("table2", &["--accel", "kd"], "bvh, grid"),
         ("converge", &["--limit", "0"], "seconds"),

@@ -1,36 +1,39 @@
 //! Measurement: what is measured and written is in `lie-bench`; here are its arguments.
 
+mod figure4;
 mod output;
+mod report;
 mod subject;
 
-use std::{path::PathBuf, time::Duration};
+use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use lie_bench::{
-    Contender, Effort, Figure, FrameRow, FramesConfig, Lineup, SceneFrames, Section, Stage,
+    Contender, Effort, Figure, FramesConfig, Lineup, SceneFrames, Section, Stage,
     converge::{self, ConvergeConfig, Convergence},
     measure_frames, table1, table2,
 };
 use lie_farm::ConstructSettings;
 
 use self::{
+    figure4::Figure4,
     output::{Output, progress_bar, teller},
+    report::Report,
     subject::Subject,
 };
 use super::render::Construction;
-use crate::{
-    args::{self, say},
-    process,
-};
+use crate::{args::say, process};
 
 /// Measures frames against the standard ray tracer's, with the error that they have.
 ///
 /// Each command measures some scenes, those made after the paper's by default, prints a
-/// table, and writes JSON and a report if asked to.
+/// table, and writes JSON and a report if asked to. Both are written anew after each scene: what
+/// is there is not lost if a later one fails.
 #[derive(Subcommand)]
 pub(crate) enum BenchCommand {
     Table1(Table1),
     Table2(Table2),
+    Figure4(Figure4),
     Converge(Converge),
     Report(Report),
 }
@@ -86,23 +89,6 @@ pub(crate) struct Converge {
     output: Output,
 }
 
-/// All tables and plots in one report, as Markdown with its pictures in a folder beside it.
-#[derive(Args)]
-pub(crate) struct Report {
-    #[command(flatten)]
-    subject: Subject,
-    #[command(flatten)]
-    frames: Frames,
-    #[command(flatten)]
-    course: Course,
-    /// The report.
-    #[arg(long, default_value = "docs/results.md", value_name = "FILE.md")]
-    out: PathBuf,
-    /// Write all rows to this file as JSON.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-}
-
 /// How frames are measured.
 #[derive(Args)]
 struct Frames {
@@ -117,9 +103,20 @@ struct Frames {
         value_name = "N,N,…"
     )]
     threads: Vec<usize>,
+    #[command(flatten)]
+    learning: Learning,
+}
+
+/// How LIEs are constructed before frames are measured, and for how long.
+#[derive(Args)]
+struct Learning {
     /// Construct for exactly so many passes over the picture instead of until converged.
     #[arg(long, conflicts_with = "samples", value_parser = clap::value_parser!(u64).range(1..=100_000), value_name = "N")]
     passes: Option<u64>,
+    /// Passes over the picture after which construction gives up waiting for convergence;
+    /// what is then in doubt is traced.
+    #[arg(long, conflicts_with_all = ["samples", "passes"], default_value_t = 32, value_parser = clap::value_parser!(u64).range(1..=100_000), value_name = "N")]
+    max_passes: u64,
     #[command(flatten)]
     construction: Construction,
 }
@@ -136,13 +133,14 @@ struct Course {
     walk_frames: u32,
 }
 
-/// Passes over the picture after which construction gives up waiting for convergence.
-const MAX_PASSES: u64 = 64;
+/// Passes over the picture after which a course is given up that its limit has not ended.
+const COURSE_PASSES: u64 = 64;
 
 pub(crate) fn execute(command: &BenchCommand) -> anyhow::Result<()> {
     match command {
         BenchCommand::Table1(arguments) => arguments.execute(),
         BenchCommand::Table2(arguments) => arguments.execute(),
+        BenchCommand::Figure4(arguments) => arguments.execute(),
         BenchCommand::Converge(arguments) => arguments.execute(),
         BenchCommand::Report(arguments) => arguments.execute(),
     }
@@ -158,12 +156,13 @@ impl Table1 {
             let frames = self.frames.measure(&stage, Contender::ALL)?;
             pictures.push(Figure::of_frame(&stage, frames.picture));
             rows.extend(frames.rows);
+            self.output.write_json(&[("rows", table1::json(&rows))])?;
+            self.output.write_report("table1", "Table 1", || {
+                Ok(vec![table1::section(&rows)?, gallery(&pictures)])
+            })?;
         }
         say(table1::table(&rows).text())?;
-        self.output.write_json(&[("rows", table1::json(&rows))])?;
-        self.output.write_report("table1", "Table 1", || {
-            Ok(vec![table1::section(&rows)?, gallery(pictures)])
-        })
+        self.output.announce("table1")
     }
 }
 
@@ -177,12 +176,13 @@ impl Table2 {
             let frames = self.frames.measure(&stage, &[Contender::Lie])?;
             pictures.push(Figure::of_frame(&stage, frames.picture));
             rows.extend(frames.rows);
+            self.output.write_json(&[("rows", table2::json(&rows))])?;
+            self.output.write_report("table2", "Table 2", || {
+                Ok(vec![table2::section(&rows)?, gallery(&pictures)])
+            })?;
         }
         say(table2::table(&rows).text())?;
-        self.output.write_json(&[("rows", table2::json(&rows))])?;
-        self.output.write_report("table2", "Table 2", || {
-            Ok(vec![table2::section(&rows)?, gallery(pictures)])
-        })
+        self.output.announce("table2")
     }
 }
 
@@ -198,7 +198,8 @@ impl Converge {
             let config = ConvergeConfig {
                 repeat: self.repeat,
                 threads: process::threads(self.threads)?,
-                max_samples: samples.unwrap_or(self.passes.unwrap_or(MAX_PASSES) * stage.pixels()),
+                max_samples: samples
+                    .unwrap_or(self.passes.unwrap_or(COURSE_PASSES) * stage.pixels()),
                 ..self
                     .course
                     .config(construct_settings(&self.construction, &stage))
@@ -207,85 +208,38 @@ impl Converge {
             rows.extend(followed.rows);
             summary.extend(followed.summary);
             pictures.push(Figure::of_frame(&stage, followed.reference));
+            self.output.write_json(&[
+                ("rows", converge::rows_json(&rows)),
+                ("summary", converge::summary_json(&summary)),
+            ])?;
+            self.output.write_report("converge", "Convergence", || {
+                Ok(vec![
+                    converge::section(&rows, &summary)?,
+                    gallery(&pictures),
+                ])
+            })?;
         }
         say(converge::table(&rows).text())?;
         say(converge::summary_table(&summary).text())?;
-        self.output.write_json(&[
-            ("rows", converge::rows_json(&rows)),
-            ("summary", converge::summary_json(&summary)),
-        ])?;
-        self.output.write_report("converge", "Convergence", || {
-            Ok(vec![converge::section(&rows, &summary)?, gallery(pictures)])
-        })
-    }
-}
-
-impl Report {
-    fn execute(&self) -> anyhow::Result<()> {
-        output::prepare(self.json.as_deref(), self.out.parent())?;
-        let mut frame_rows: Vec<FrameRow> = vec![];
-        let (mut rows, mut summary, mut pictures) = (vec![], vec![], vec![]);
-        for scene in self.subject.load()? {
-            let stage = scene.stage();
-            let frames = self.frames.measure(&stage, Contender::ALL)?;
-            pictures.push(Figure::of_frame(&stage, frames.picture));
-            frame_rows.extend(frames.rows);
-            let settings = construct_settings(&self.frames.construction, &stage);
-            let most = self.frames.threads()?.into_iter().max();
-            let config = ConvergeConfig {
-                repeat: self.frames.repeat,
-                threads: most.unwrap_or_else(process::cores),
-                max_samples: self
-                    .frames
-                    .samples(&stage)
-                    .unwrap_or(MAX_PASSES * stage.pixels()),
-                ..self.course.config(settings)
-            };
-            let followed = follow(&stage, &config)?;
-            rows.extend(followed.rows);
-            summary.extend(followed.summary);
-        }
-        say(table1::table(&frame_rows).text())?;
-        say(table2::table(&frame_rows).text())?;
-        say(converge::summary_table(&summary).text())?;
-        if let Some(path) = &self.json {
-            let parts = [
-                ("table1", table1::json(&frame_rows)),
-                ("table2", table2::json(&frame_rows)),
-                ("converge", converge::rows_json(&rows)),
-                ("converge_summary", converge::summary_json(&summary)),
-            ];
-            args::write_json(path, &output::envelope(&parts))?;
-        }
-        let sections = vec![
-            table1::section(&frame_rows)?,
-            table2::section(&frame_rows)?,
-            converge::section(&rows, &summary)?,
-            gallery(pictures),
-        ];
-        output::write_report(&self.out, "Results", sections)
+        self.output.announce("converge")
     }
 }
 
 impl Frames {
     /// Constructs LIEs of the view on all cores, and renders it by these integrators.
     fn measure(&self, stage: &Stage, contenders: &[Contender]) -> anyhow::Result<SceneFrames> {
+        let lineup = self.learning.construct(stage, contenders)?;
+        self.race(stage, &lineup)
+    }
+
+    /// Renders a view by this line-up.
+    fn race(&self, stage: &Stage, lineup: &Lineup) -> anyhow::Result<SceneFrames> {
         let config = FramesConfig {
             threads: self.threads()?,
             repeat: self.repeat,
         };
-        let max_passes = MAX_PASSES;
-        let until_converged = Effort::UntilConverged { max_passes };
-        let effort = self.samples(stage).map_or(until_converged, Effort::Samples);
         let bar = progress_bar();
-        let tell = teller(&bar);
-        let settings = construct_settings(&self.construction, stage);
-        let lineup = Lineup::construct(stage, contenders, settings, effort, &tell)?;
-        if !lineup.has_converged() && effort == until_converged {
-            let name = stage.name();
-            tracing::warn!("{name}: the view has not converged after {MAX_PASSES} passes");
-        }
-        let frames = measure_frames(stage, &lineup, &config, &tell)?;
+        let frames = measure_frames(stage, lineup, &config, &teller(&bar))?;
         bar.finish_and_clear();
         Ok(frames)
     }
@@ -300,6 +254,24 @@ impl Frames {
             }
         }
         Ok(all)
+    }
+}
+
+impl Learning {
+    /// Constructs on all cores what these integrators need of a view.
+    fn construct(&self, stage: &Stage, contenders: &[Contender]) -> anyhow::Result<Lineup> {
+        let max_passes = self.max_passes;
+        let until_converged = Effort::UntilConverged { max_passes };
+        let effort = self.samples(stage).map_or(until_converged, Effort::Samples);
+        let bar = progress_bar();
+        let settings = construct_settings(&self.construction, stage);
+        let lineup = Lineup::construct(stage, contenders, settings, effort, &teller(&bar))?;
+        bar.finish_and_clear();
+        if !lineup.has_converged() && effort == until_converged {
+            let name = stage.name();
+            tracing::warn!("{name}: the view has not converged after {max_passes} passes");
+        }
+        Ok(lineup)
     }
 
     /// How many pixels to sample, if that was said.
@@ -339,11 +311,10 @@ fn construct_settings(construction: &Construction, stage: &Stage) -> ConstructSe
 }
 
 /// The scenes as they were seen.
-fn gallery(figures: Vec<Figure>) -> Section {
+fn gallery(figures: &[Figure]) -> Section {
     Section {
         heading: "The views".to_owned(),
-        paragraphs: vec![],
-        tables: vec![],
-        figures,
+        figures: figures.to_vec(),
+        ..Section::default()
     }
 }

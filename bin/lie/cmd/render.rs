@@ -1,3 +1,5 @@
+mod aovs;
+
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
@@ -8,6 +10,7 @@ use clap::Args;
 use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
 use lie_farm::{BatchReport, Builder, ConstructSettings, LieReplica, View};
+use lie_octree::LieTree;
 use lie_render::{AccelKind, Film, FrameSettings, LieLookup, RenderStats, ToneMap, World};
 use lie_scene::Camera;
 
@@ -56,6 +59,11 @@ pub(crate) struct Render {
     /// Where to write the picture: linear radiance as .exr, or a tone-mapped .png.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Write the picture and its AOVs to this .exr as well, one layer for each: albedo,
+    /// normal, cost (nanoseconds by a model, not by a clock), the work that it counts, and
+    /// with LIEs each pixel's cell and its lights by class. Not part of the frame's time.
+    #[arg(long, value_name = "FILE.exr")]
+    aovs: Option<PathBuf>,
     /// Bits per channel of an EXR. `half` are the pixels that a farm sends by default.
     #[arg(long, value_enum, default_value = "float")]
     precision: Precision,
@@ -166,16 +174,11 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
         .into());
     }
     // Now, and not after minutes of work.
-    let folder = arguments
-        .out
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-        anyhow::bail!(
-            "{}: there is no folder {}",
-            arguments.out.display(),
-            folder.display()
-        );
+    if let Some(path) = &arguments.aovs {
+        aovs::check(path, &arguments.out)?;
+    }
+    for path in std::iter::once(&arguments.out).chain(&arguments.aovs) {
+        check_folder(path)?;
     }
     let scene = Arc::new(args::load_scene(&arguments.scene)?);
     let camera = match &arguments.walk {
@@ -202,6 +205,21 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
     let frame =
         pool.install(|| render(arguments, &world, &camera, &settings, construction.as_ref()));
     write_picture(arguments, &scene, &frame.film)?;
+    if let Some(path) = &arguments.aovs {
+        let constructed = construction.as_ref();
+        let write = || {
+            aovs::write(
+                path,
+                arguments,
+                &world,
+                &camera,
+                &settings,
+                constructed,
+                &frame,
+            )
+        };
+        pool.install(write)?;
+    }
 
     if let Some(path) = &arguments.stats {
         let stats = statistics(
@@ -223,6 +241,20 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
         frame.median_ms,
         arguments.integrator.name(),
     ))
+}
+
+fn check_folder(path: &Path) -> anyhow::Result<()> {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    match folder.filter(|folder| !folder.is_dir()) {
+        Some(folder) => anyhow::bail!(
+            "{}: there is no folder {}",
+            path.display(),
+            folder.display()
+        ),
+        None => Ok(()),
+    }
 }
 
 fn is_picture(path: &Path) -> bool {
@@ -247,6 +279,7 @@ fn frame_settings(arguments: &Render, scene: &lie_scene::Scene) -> anyhow::Resul
 
 /// LIEs for the view, and what they took.
 struct Constructed {
+    tree: LieTree,
     replica: LieReplica,
     report: BatchReport,
     stats: lie_octree::LieStats,
@@ -296,6 +329,7 @@ fn construct(
     }
     let replica = LieReplica::of(world.clone(), builder.tree());
     Ok(Constructed {
+        tree: builder.tree().clone(),
         replica,
         report,
         stats: builder.tree().stats(),

@@ -1,6 +1,7 @@
-use std::{sync::Arc, time::Instant};
+use std::time::Instant;
 
 use lie_farm::{BatchReport, Builder, ConstructSettings, LieReplica, PublishedLies};
+use lie_octree::LieTree;
 
 use crate::{BenchError, Contender, Progress, Stage, race::milliseconds};
 
@@ -17,10 +18,12 @@ pub enum Effort {
 }
 
 /// Contenders, and the LIEs that they ask.
-pub struct Lineup(Vec<(Contender, Option<Arc<Constructed>>)>);
+pub struct Lineup(Vec<(Contender, Option<Constructed>)>);
 
 impl Lineup {
     /// Constructs what these contenders need for a view, each from the usual settings.
+    /// Masking is drawn from what construction learns, which it does not change: contenders
+    /// that differ in nothing else share one construction.
     ///
     /// # Errors
     /// If threads cannot be started.
@@ -31,17 +34,22 @@ impl Lineup {
         effort: Effort,
         progress: &Progress<'_>,
     ) -> Result<Self, BenchError> {
-        let mut lineup: Vec<(Contender, Option<Arc<Constructed>>)> = vec![];
+        let mut grown: Vec<Grown> = vec![];
+        let mut lineup = vec![];
         for &contender in contenders {
             let lies = match contender.construction(usual) {
                 None => None,
                 Some(settings) => {
-                    let known = lineup.iter().filter_map(|(_, lies)| lies.as_ref());
-                    let equal = known.into_iter().find(|lies| lies.settings == settings);
-                    Some(match equal {
-                        Some(lies) => lies.clone(),
-                        None => Arc::new(construct(stage, settings, effort, progress)?),
-                    })
+                    let plain = unmasked(settings);
+                    let known = grown.iter().position(|grown| grown.settings == plain);
+                    let index = match known {
+                        Some(index) => index,
+                        None => {
+                            grown.push(grow(stage, plain, effort, progress)?);
+                            grown.len() - 1
+                        }
+                    };
+                    Some(grown[index].masked(stage, settings.lie.masking))
                 }
             };
             lineup.push((contender, lies));
@@ -53,7 +61,7 @@ impl Lineup {
     pub(crate) fn iter(&self) -> impl Iterator<Item = (Contender, Option<&Constructed>)> {
         self.0
             .iter()
-            .map(|(contender, lies)| (*contender, lies.as_deref()))
+            .map(|(contender, lies)| (*contender, lies.as_ref()))
     }
 
     /// Whether the view converged for each of them.
@@ -66,7 +74,6 @@ impl Lineup {
 
 /// LIEs of a view, and what they took.
 pub(crate) struct Constructed {
-    settings: ConstructSettings,
     /// As shaders have them.
     pub(crate) lies: PublishedLies,
     /// Whether the view converged.
@@ -79,12 +86,26 @@ pub(crate) struct Constructed {
     pub(crate) shader_bytes: u64,
 }
 
-fn construct(
+/// What construction learnt.
+struct Grown {
+    /// Without masking.
+    settings: ConstructSettings,
+    tree: LieTree,
+    converged: bool,
+    construct_ms: f64,
+}
+
+fn unmasked(mut settings: ConstructSettings) -> ConstructSettings {
+    settings.lie.masking = 0.0;
+    settings
+}
+
+fn grow(
     stage: &Stage,
     settings: ConstructSettings,
     effort: Effort,
     progress: &Progress<'_>,
-) -> Result<Constructed, BenchError> {
+) -> Result<Grown, BenchError> {
     let clock = Instant::now();
     let mut builder = Builder::new(stage.world().clone(), settings)?;
     let views = [stage.view()];
@@ -103,14 +124,25 @@ fn construct(
         Effort::UntilConverged { .. } => builder.converge(&views, samples, tell),
         Effort::Samples(_) => builder.sample(&views, samples, tell),
     };
-    let construct_ms = milliseconds(clock.elapsed());
-    let lies = LieReplica::of(stage.world().clone(), builder.tree()).publish();
-    Ok(Constructed {
+    Ok(Grown {
         settings,
-        shader_bytes: lies.bytes(),
-        tree_bytes: builder.tree().stats().bytes,
-        lies,
+        tree: builder.tree().clone(),
         converged: report.converged,
-        construct_ms,
+        construct_ms: milliseconds(clock.elapsed()),
     })
+}
+
+impl Grown {
+    /// As shaders have it that leave out so large a share of the light.
+    fn masked(&self, stage: &Stage, masking: f32) -> Constructed {
+        let tree = self.tree.with_masking(masking);
+        let lies = LieReplica::of(stage.world().clone(), &tree).publish();
+        Constructed {
+            shader_bytes: lies.bytes(),
+            tree_bytes: tree.stats().bytes,
+            lies,
+            converged: self.converged,
+            construct_ms: self.construct_ms,
+        }
+    }
 }

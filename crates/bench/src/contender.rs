@@ -43,8 +43,7 @@ impl Contender {
         matches!(self, Self::Lie | Self::LieMasked)
     }
 
-    /// How its LIEs are constructed, if it asks any. Contenders whose settings are equal
-    /// share them.
+    /// How its LIEs are constructed, if it asks any.
     pub(crate) fn construction(self, mut usual: ConstructSettings) -> Option<ConstructSettings> {
         match self {
             Self::Standard | Self::Ward => None,

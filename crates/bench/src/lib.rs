@@ -5,6 +5,7 @@
 //! * [`measure_frames`] renders a view by a [`Lineup`] of contenders in turn: [`table1`] and
 //!   [`table2`] make the paper's tables of its [`FrameRow`]s, with the paper's own figures
 //!   ([`paper`]) beside ours.
+//! * [`figure4`] shows what each pixel costs, as the paper's Figure 4.
 //! * [`converge`] follows error and frame time while LIEs are constructed.
 //! * [`Table`], [`plot`], [`Report`] and [`Machine`] are what comes out: text, Markdown, SVG.
 //!
@@ -43,6 +44,7 @@ mod stage;
 mod table;
 
 pub mod converge;
+pub mod figure4;
 pub mod paper;
 pub mod plot;
 pub mod table1;
@@ -54,7 +56,7 @@ pub use error::BenchError;
 pub use frames::{FrameRow, FramesConfig, SceneFrames, measure_frames};
 pub use machine::Machine;
 pub use race::Stages;
-pub use report::{Figure, Picture, Report, Section};
+pub use report::{Figure, Panel, Picture, Report, Section};
 pub use spread::Spread;
 pub use stage::Stage;
 pub use table::Table;

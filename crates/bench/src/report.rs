@@ -18,6 +18,7 @@ pub struct Report {
 }
 
 /// A part of a report.
+#[derive(Default)]
 pub struct Section {
     /// Its heading.
     pub heading: String,
@@ -25,11 +26,23 @@ pub struct Section {
     pub paragraphs: Vec<String>,
     /// The figures.
     pub tables: Vec<Table>,
-    /// The pictures.
+    /// Pictures that are seen together.
+    pub panels: Vec<Panel>,
+    /// The other pictures.
+    pub figures: Vec<Figure>,
+}
+
+/// Pictures beside each other.
+#[derive(Clone)]
+pub struct Panel {
+    /// How many in a row; at least one.
+    pub columns: usize,
+    /// Row by row.
     pub figures: Vec<Figure>,
 }
 
 /// A picture of a report.
+#[derive(Clone)]
 pub struct Figure {
     /// Its file's name.
     pub name: String,
@@ -40,6 +53,7 @@ pub struct Figure {
 }
 
 /// What a [`Figure`] is a picture of.
+#[derive(Clone)]
 pub enum Picture {
     /// A plot.
     Svg(String),
@@ -60,7 +74,7 @@ impl Report {
             source,
         };
         fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
-        for figure in self.sections.iter().flat_map(|section| &section.figures) {
+        for figure in self.sections.iter().flat_map(Section::all_figures) {
             let file = folder.join(&figure.name);
             match &figure.picture {
                 Picture::Svg(svg) => fs::write(&file, svg).map_err(|error| failed(&file, error))?,
@@ -104,17 +118,53 @@ impl Figure {
     }
 }
 
+impl Figure {
+    fn link(&self, folder: &str) -> String {
+        let (name, caption) = (&self.name, &self.caption);
+        let link = format!("{folder}/{name}").replace(' ', "%20");
+        format!("![{caption}]({link})")
+    }
+}
+
+impl Panel {
+    /// A table without numbers: captions, and the pictures below them. The first captions
+    /// are its head.
+    fn markdown(&self, folder: &str) -> String {
+        let columns = self.columns.max(1);
+        let line = |cells: Vec<String>| {
+            let mut cells: Vec<String> =
+                cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+            cells.resize(columns, String::new());
+            format!("| {} |\n", cells.join(" | "))
+        };
+        let mut text = String::new();
+        for (index, row) in self.figures.chunks(columns).enumerate() {
+            text += &line(row.iter().map(|figure| figure.caption.clone()).collect());
+            if index == 0 {
+                text += &format!("|{}|\n", vec!["---"; columns].join("|"));
+            }
+            text += &line(row.iter().map(|figure| figure.link(folder)).collect());
+        }
+        text
+    }
+}
+
 impl Section {
     fn markdown(&self, folder: &str) -> String {
         let mut parts = vec![format!("## {}\n", self.heading)];
         parts.extend(self.paragraphs.iter().map(|text| format!("{text}\n")));
         parts.extend(self.tables.iter().map(Table::markdown));
+        parts.extend(self.panels.iter().map(|panel| panel.markdown(folder)));
         parts.extend(self.figures.iter().map(|figure| {
-            let (name, caption) = (&figure.name, &figure.caption);
-            let link = format!("{folder}/{name}").replace(' ', "%20");
-            format!("![{caption}]({link})\n\n*{caption}*\n")
+            let link = figure.link(folder);
+            format!("{link}\n\n*{}*\n", figure.caption)
         }));
         parts.join("\n")
+    }
+
+    fn all_figures(&self) -> impl Iterator<Item = &Figure> {
+        let in_panels = self.panels.iter().flat_map(|panel| &panel.figures);
+        in_panels.chain(&self.figures)
     }
 }
 
@@ -160,6 +210,12 @@ mod tests {
                     figure("plot.svg", Picture::Svg("<svg/>".to_owned())),
                     figure("bar.png", frame),
                 ],
+                panels: vec![Panel {
+                    columns: 2,
+                    figures: ["a.svg", "b.svg", "c d.svg"]
+                        .map(|name| figure(name, Picture::Svg(String::new())))
+                        .into(),
+                }],
             }],
         }
     }
@@ -179,10 +235,15 @@ mod tests {
         ] {
             assert!(text.contains(part), "{part} in {text}");
         }
-        for name in ["plot.svg", "bar.png"] {
-            assert!(text.contains(&format!("](results/{name})")), "{text}");
+        for name in ["plot.svg", "bar.png", "a.svg", "b.svg", "c d.svg"] {
+            let link = name.replace(' ', "%20");
+            assert!(text.contains(&format!("](results/{link})")), "{text}");
             assert!(folder.path().join("results").join(name).exists());
         }
+        let panel = "| A caption. | A caption. |\n|---|---|\n\
+                     | ![A caption.](results/a.svg) | ![A caption.](results/b.svg) |\n\
+                     | A caption. |  |\n| ![A caption.](results/c%20d.svg) |  |\n";
+        assert!(text.contains(panel), "{text}");
     }
 
     #[test]

@@ -148,6 +148,7 @@ pub fn section(rows: &[FrameRow]) -> Result<Section, BenchError> {
         paragraphs: ABOUT.map(str::to_owned).to_vec(),
         tables: vec![table(rows)],
         figures: time.into_iter().chain(speedup).collect(),
+        ..Section::default()
     })
 }
 

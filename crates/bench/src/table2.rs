@@ -131,6 +131,7 @@ pub fn section(rows: &[FrameRow]) -> Result<Section, BenchError> {
         paragraphs: ABOUT.map(str::to_owned).to_vec(),
         tables: vec![table(rows)],
         figures: figure.into_iter().collect(),
+        ..Section::default()
     })
 }
 

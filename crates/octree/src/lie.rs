@@ -177,6 +177,11 @@ impl Lie {
         for entry in &mut self.lights {
             entry.settle(settings.crowd);
         }
+        self.mask(settings);
+    }
+
+    /// Decides anew which lights the others mask.
+    pub(crate) fn mask(&mut self, settings: &LieSettings) {
         self.shown.mask(&mut self.lights, settings);
     }
 

@@ -130,6 +130,21 @@ impl LieTree {
         self.tree.key_at(point)
     }
 
+    /// The same evidence, with another share of light masked ([`LieSettings::masking`]):
+    /// what these observations would have come to with it. Masks are conclusions alone and
+    /// change nothing that is learnt.
+    #[must_use]
+    pub fn with_masking(&self, masking: f32) -> Self {
+        let mut other = self.clone();
+        other.settings.masking = masking.clamp(0.0, 1.0);
+        for key in self.keys() {
+            if let Some(lie) = other.tree.leaf_mut(key) {
+                lie.mask(&other.settings);
+            }
+        }
+        other
+    }
+
     /// Takes in observations, and splits the cells that have become too complex (LIE §4.1):
     /// their children start from nothing but these observations. They may have been made
     /// against an older state of the tree; those of one neighbourhood belong together.

@@ -218,3 +218,36 @@ fn parts_of_a_cell_start_unmasked() {
     tree.record(&bright_and_faint(300));
     assert_eq!(masked(&tree), [1, 2]);
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Masks drawn afterwards are those that construction would have drawn.
+    #[test]
+    fn masks_can_be_drawn_later(
+        samples in prop::collection::vec(six_lights(), 1..200), batch in 1usize..50,
+        masking in 0.0f32..1.0, before in 0.0f32..1.0,
+    ) {
+        let settings = |masking| LieSettings {
+            split_threshold: 1,
+            split_samples: 2,
+            trust: 16,
+            masking,
+            ..LieSettings::default()
+        };
+        let mut with = LieTree::new(BOUNDS, settings(masking));
+        let mut without = LieTree::new(BOUNDS, settings(before));
+        for batch in samples.chunks(batch) {
+            with.record(batch);
+            without.record(batch);
+        }
+        let later = without.with_masking(masking);
+        prop_assert_eq!(later.validate(), Ok(()));
+        prop_assert_eq!(later.settings(), with.settings());
+        prop_assert_eq!(later.keys(), with.keys());
+        for key in with.keys() {
+            let body = |tree: &LieTree| tree.state(key).map(|state| state.body);
+            prop_assert_eq!(body(&later), body(&with));
+        }
+    }
+}

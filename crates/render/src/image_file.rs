@@ -29,7 +29,7 @@ pub enum ImageError {
 }
 
 impl ImageError {
-    fn file(path: &Path, problem: impl std::fmt::Display) -> Self {
+    pub(crate) fn file(path: &Path, problem: impl std::fmt::Display) -> Self {
         Self::File {
             path: path.to_owned(),
             problem: problem.to_string(),

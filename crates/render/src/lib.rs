@@ -6,6 +6,9 @@
 //! local illumination environments say is asked through [`LieLookup`]: this crate knows
 //! cells, not trees.
 //!
+//! [`Aovs`] is what a frame's pixels show and cost beside their light, found in a pass of its
+//! own: the renderer knows nothing of it.
+//!
 //! Every pixel is a function of scene, camera, [`FrameSettings`] and the LIEs alone: the
 //! random numbers are keyed by pixel, sample and light, and sums are taken in one order.
 //!
@@ -22,7 +25,9 @@
 //! # Ok::<(), lie_render::ImageError>(())
 //! ```
 
+mod aov;
 mod brdf;
+mod camera_ray;
 mod cell;
 mod delta_groups;
 mod delta_lanes;
@@ -39,6 +44,7 @@ mod tone_map;
 mod ward;
 mod world;
 
+pub use aov::{AovLies, AovPixel, Aovs, CellAov, CellFacts, CostModel, Work, write_aovs};
 pub use brdf::Brdf;
 pub use cell::{LieCell, LieDeltaLight, LieLight, LieLookup};
 pub use film::{Film, Precision};

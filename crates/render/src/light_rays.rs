@@ -48,6 +48,20 @@ impl LightPoints<'_> {
         (count - by_lobe, by_lobe)
     }
 
+    /// Sample points on a light that [`World::for_each_light_ray`] evaluates.
+    pub(crate) fn evaluations(&self, world: &World, light: u32) -> u64 {
+        match world
+            .scene()
+            .lights
+            .get(light as usize)
+            .map(|light| &light.kind)
+        {
+            Some(LightKind::Area(area)) => u64::from(self.split(area).0),
+            Some(_) => 1,
+            None => 0,
+        }
+    }
+
     /// The ray to a point of an area light, weighed by the balance heuristic over both
     /// kinds of samples (Veach and Guibas 1995).
     #[inline]

@@ -3,12 +3,9 @@ use std::{
     time::Instant,
 };
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec3};
 use lie_accel::{PACKET, RayPacket};
-use lie_geom::{
-    RandomKey, Ray,
-    sampling::{strata, stratified},
-};
+use lie_geom::{RandomKey, Ray, sampling::strata};
 use lie_scene::{Camera, RenderSettings, Surface};
 
 use crate::{
@@ -195,7 +192,9 @@ impl<'a> TileRenderer<'a> {
                 for lane in 0..count {
                     let offset = UVec2::new(lane as u32 % size.x, lane as u32 / size.x);
                     let pixel = start + offset;
-                    let (ray, key) = self.camera_ray(square.origin + pixel, sample);
+                    let (ray, key) =
+                        self.settings
+                            .camera_ray(self.camera, square.origin + pixel, sample);
                     rays[lane] = ray;
                     pixels[lane] = ((pixel.y * square.size.x + pixel.x) as usize, key);
                 }
@@ -239,24 +238,6 @@ impl<'a> TileRenderer<'a> {
             brdf,
             cell,
         }
-    }
-
-    /// The ray of a sample and the key of its random numbers.
-    fn camera_ray(&self, pixel: UVec2, sample: u32) -> (Ray, RandomKey) {
-        let key = RandomKey::new(self.settings.seed)
-            .mix(u64::from(pixel.x) | u64::from(pixel.y) << 32)
-            .mix(u64::from(sample));
-        let count = self.settings.samples_per_pixel;
-        let offset = if count == 1 {
-            Vec2::splat(0.5)
-        } else {
-            stratified(strata(count), sample, key.uniform2(0))
-        };
-        (
-            self.camera
-                .ray(pixel.as_vec2() + offset, self.settings.size),
-            key.mix(1),
-        )
     }
 
     fn emission(&self, surface: &Surface) -> Vec3 {

@@ -42,12 +42,22 @@ impl Output {
         sections: impl FnOnce() -> anyhow::Result<Vec<Section>>,
     ) -> anyhow::Result<()> {
         match &self.report {
-            Some(folder) => {
-                write_report(&folder.join(name).with_extension("md"), title, sections()?)
-            }
+            Some(folder) => write_report(&report_path(folder, name), title, sections()?),
             None => Ok(()),
         }
     }
+
+    /// Says that the report of this name is there, if it is.
+    pub(crate) fn announce(&self, name: &str) -> anyhow::Result<()> {
+        match &self.report {
+            Some(folder) => announce(&report_path(folder, name)),
+            None => Ok(()),
+        }
+    }
+}
+
+fn report_path(folder: &Path, name: &str) -> PathBuf {
+    folder.join(name).with_extension("md")
 }
 
 /// Makes the report's folder; the JSON's must be there.
@@ -88,6 +98,11 @@ pub(crate) fn write_report(path: &Path, title: &str, sections: Vec<Section>) -> 
         sections,
     };
     report.write(path)?;
+    Ok(())
+}
+
+/// Says that a report is there.
+pub(crate) fn announce(path: &Path) -> anyhow::Result<()> {
     args::say(format_args!("{}: written", path.display()))
 }
 

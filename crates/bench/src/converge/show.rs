@@ -147,6 +147,7 @@ pub fn section(rows: &[ConvergeRow], summary: &[ConvergeSummary]) -> Result<Sect
         paragraphs: ABOUT.map(str::to_owned).to_vec(),
         tables: vec![summary_table(summary), table(rows)],
         figures,
+        ..Section::default()
     })
 }
 
