@@ -95,8 +95,8 @@ fn the_shipped_scenes_are_what_they_were() {
     for (name, geometry, lights) in [
         (
             "science-center",
-            0x6920_462a_d753_227a,
-            0xbc6f_68ee_0245_9132,
+            0xd7ba_20df_c499_acc3,
+            0x910f_e4f9_5cb4_9217,
         ),
         ("bar", 0xe82d_c483_fa4e_9c65, 0x3271_f540_fc29_7662),
         ("mosque", 0x055a_f372_87f7_a3ba, 0xda9c_55fb_eb13_5e62),

@@ -13,7 +13,7 @@ use crate::{
 pub(super) struct Palette {
     /// Tones of slabs and panels, the usual one first.
     pub(super) terrazzo: [u32; 2],
-    pub(super) carpet: [u32; 2],
+    pub(super) carpet: u32,
     pub(super) plaster: [u32; 2],
     pub(super) accent: [u32; 2],
     pub(super) ceiling: u32,
@@ -73,10 +73,7 @@ impl Palette {
             soffit,
             globe,
             posters,
-            carpet: [
-                paint("carpet", 0.16, 0.21, 0.25),
-                paint("dark carpet", 0.135, 0.18, 0.22),
-            ],
+            carpet: paint("carpet", 0.16, 0.21, 0.25),
             plaster: [
                 paint("plaster", 0.82, 0.75, 0.65),
                 paint("warm plaster", 0.79, 0.705, 0.59),

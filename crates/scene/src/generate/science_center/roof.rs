@@ -9,13 +9,13 @@ use crate::{Material, generate::mesh::Mesh};
 const SLOPE_HALF: f32 = 6.6;
 /// Where it meets the ceiling, along z, and how high it is where it meets the front.
 const SLOPE_TOP_Z: f32 = 4.6;
-const SLOPE_LOW_Y: f32 = 6.2;
+const SLOPE_LOW_Y: f32 = 6.8;
 /// Width of the frame about the glass.
-const FRAME: f32 = 0.9;
+const FRAME: f32 = 1.5;
 /// How far the glass stands before its frame.
 const PROUD: f32 = 0.012;
 /// What the sky gives, in W·sr⁻¹·m⁻².
-const DAYLIGHT: Vec3 = Vec3::new(9.0, 8.9, 8.7);
+const DAYLIGHT: Vec3 = Vec3::new(12.6, 12.4, 12.1);
 
 impl Site {
     /// A level ceiling, and before it the slope over the atrium's front.

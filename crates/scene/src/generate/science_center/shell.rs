@@ -50,20 +50,16 @@ impl Site {
         self.add_posters();
     }
 
-    /// An upper floor: carpet tiles, a white edge, slats below.
+    /// An upper floor: carpet, a white edge, slats below. Few triangles, since each of them
+    /// may be in the way from below.
     fn add_storey(&mut self, name: &str, height: f32, plans: &[Plan]) {
-        let (mut edge, mut soffit) = (Mesh::default(), Mesh::default());
-        let mut carpet = vec![];
+        let [mut carpet, mut edge, mut soffit] = std::array::from_fn(|_| Mesh::default());
         for [x, z] in plans {
             let size = Vec3::new(x[1] - x[0], 0.0, z[1] - z[0]);
             let (along_x, along_z) = (size.x * Vec3::X, size.z * Vec3::Z);
             let corner = Vec3::new(x[0], height, z[0]);
             let low = corner - SLAB * Vec3::Y;
-            carpet.push(Field {
-                corner,
-                u: along_z,
-                v: along_x,
-            });
+            carpet.quad(corner, along_z, along_x);
             soffit.quad(low, along_x, along_z);
             let up = SLAB * Vec3::Y;
             edge.quad(low, along_z, up);
@@ -71,10 +67,7 @@ impl Site {
             edge.quad(low, up, along_x);
             edge.quad(low + along_z, along_x, up);
         }
-        let tones = self.palette.carpet;
-        self.add_tiles(&format!("{name} floor"), tones, &carpet, |row, column| {
-            usize::from((row ^ column) % 2 == 1)
-        });
+        self.part(format!("{name} floor"), self.palette.carpet, carpet);
         self.part(format!("{name} edge"), self.palette.column, edge);
         self.part(format!("{name} soffit"), self.palette.soffit, soffit);
     }

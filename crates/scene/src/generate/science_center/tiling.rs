@@ -14,7 +14,7 @@ pub(super) struct Field {
 }
 
 /// The usual length of a slab's sides, in metres.
-const SLAB_M: f32 = 1.2;
+const SLAB_M: f32 = 1.1;
 
 impl Site {
     /// Covers fields with whole tiles about as large as a slab, each in one of the tones and
