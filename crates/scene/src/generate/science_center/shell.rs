@@ -21,7 +21,7 @@ impl Site {
             u: (FRONT - BACK) * Vec3::Z,
             v: 2.0 * SIDE * Vec3::X,
         };
-        let dark = |row: u32, column: u32| usize::from((row + 2 * column) % 5 == 0);
+        let dark = |row: u32, column: u32| usize::from((row + 2 * column).is_multiple_of(5));
         self.add_tiles("floor", self.palette.terrazzo, &[floor], dark);
         let [edge, back] = BALCONY_EDGE;
         self.add_storey(
