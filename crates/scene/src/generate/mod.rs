@@ -1,4 +1,5 @@
-//! Scenes made by rule: the same parameters give the same scene, on every machine.
+//! Scenes made by rule: the same parameters give the same scene, on every machine, but for the last
+//! digits of sines and powers.
 
 mod bar;
 mod bitmaps;
