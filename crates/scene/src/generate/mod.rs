@@ -1,4 +1,5 @@
-//! Scenes made by rule: the same parameters give the same scene, on every machine.
+//! Scenes made by rule: the same parameters give the same scene, on every machine, but for the last
+//! digits of sines and powers.
 
 mod bar;
 mod bitmaps;
@@ -84,9 +85,9 @@ impl Default for Mosque {
 /// What [`science_center`] is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScienceCenter {
-    /// What posters, globe, trees and the café's chairs start from.
+    /// What posters, globe, panels, trees and the café's chairs start from.
     pub seed: u64,
-    /// How finely round things are divided, in `(0, 4]`: 1 is the usual.
+    /// How finely the globe is divided, in `(0, 4]`: 1 is the usual.
     pub detail: f32,
 }
 
@@ -150,8 +151,8 @@ pub fn mosque(parameters: &Mosque) -> Scene {
     finish(mosque_draft(parameters), "mosque", settings)
 }
 
-/// The atrium of a science centre: stairs, balconies, the skeleton of a whale, all matt, and
-/// one large area light, the daylight of its glass roof and front.
+/// The atrium of a science centre: stairs, balconies, exhibits, all matt, and one large area
+/// light, a flat skylight.
 ///
 /// # Panics
 /// Never, for any parameters; a test holds that.

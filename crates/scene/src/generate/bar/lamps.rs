@@ -1,8 +1,6 @@
 //! The seventy spots, and the lamps that they shine from. No light touches its lamp, and no
 //! lamp encloses its light.
 
-use std::f32::consts::TAU;
-
 use glam::{Quat, Vec2, Vec3};
 
 use super::{
@@ -77,7 +75,7 @@ impl Site {
         let mut lamps = Model::default();
         let over_counter = (0..7).map(|index| {
             let at = Vec3::new(-4.8 + 1.1 * index as f32, 2.02, -2.12);
-            ("counter pendant", at, 6.5 * AMBER, cone(17.0, 45.0))
+            ("counter pendant", at, 4.6 * AMBER, cone(17.0, 80.0))
         });
         let over = |name, feet: Vec<Vec3>, height: f32, intensity: f32, cone: Cone| {
             feet.into_iter()
@@ -88,22 +86,22 @@ impl Site {
                 "table pendant",
                 ROUND.to_vec(),
                 1.92,
-                7.5,
-                cone(17.0, 45.0),
+                5.2,
+                cone(17.0, 80.0),
             ))
             .chain(over(
                 "bench pendant",
                 BENCH.to_vec(),
                 1.82,
-                5.5,
-                cone(17.0, 45.0),
+                3.9,
+                cone(17.0, 80.0),
             ))
             .chain(over(
                 "high table pendant",
                 HIGH.to_vec(),
                 2.0,
-                6.0,
-                cone(17.0, 44.0),
+                4.2,
+                cone(17.0, 80.0),
             ))
             .collect();
         let pendant = self.pendant();
@@ -123,7 +121,7 @@ impl Site {
         self.put("pendants", lamps);
     }
 
-    /// A flat enamelled dome over its light, and below it a ring of opal glass that catches
+    /// A flat enamelled dome over its light, and in its mouth a ring of opal glass that catches
     /// the rim of the cone.
     fn pendant(&self) -> Model {
         let mut model = Model::default();
@@ -154,25 +152,14 @@ impl Site {
         );
         model.add(self.palette.brass, &neck, Vec3::ZERO);
         model.place(&self.opal_ring(), Quat::IDENTITY, Vec3::ZERO);
-        for wire in 0..3 {
-            let (sin, cos) = (TAU * wire as f32 / 3.0).sin_cos();
-            let out = Vec3::new(cos, 0.0, sin);
-            let wire = rod(
-                0.082 * out - 0.074 * Vec3::Y,
-                0.13 * out + 0.035 * Vec3::Y,
-                0.0016,
-                4,
-            );
-            model.add(self.palette.brass, &wire, Vec3::ZERO);
-        }
         model
     }
 
-    /// A ring below a light that shines down from the origin.
+    /// A ring about a light that shines down from the origin.
     fn opal_ring(&self) -> Model {
         let mut model = Model::default();
-        let ring = torus(0.078, 0.0105, [self.fine(22), self.fine(5)]);
-        model.add(self.palette.opal, &ring, -0.080 * Vec3::Y);
+        let ring = torus(0.150, 0.0105, [self.fine(22), self.fine(5)]);
+        model.add(self.palette.opal, &ring, -0.020 * Vec3::Y);
         model
     }
 
@@ -199,8 +186,8 @@ impl Site {
                 &mut lamps,
                 format!("shelf spot {index}"),
                 [at, target, Vec3::new(x, 3.2, z)],
-                15.0 * NEUTRAL,
-                cone(14.0, 33.0),
+                10.5 * NEUTRAL,
+                cone(14.0, 68.0),
             );
         }
         self.put("shelf spots", lamps);
@@ -276,7 +263,7 @@ impl Site {
                 let light = at + sign * (0.11 + CLEARANCE) * Vec3::Y;
                 let direction = sign * Vec3::Y + lean * front.right.cross(front.up);
                 let name = format!("sconce {index} {way}");
-                self.spot(name, light, direction, strength * AMBER, cone(26.0, 69.0));
+                self.spot(name, light, direction, strength * AMBER, cone(26.0, 80.0));
             }
         }
         self.put("sconces", lamps);
@@ -298,7 +285,7 @@ impl Site {
                     at.with_y(HEIGHT) - 0.02 * hanging.normal,
                 ],
                 10.0 * NEUTRAL,
-                cone(0.6 * wide, wide + 2.0),
+                cone(0.6 * wide, wide + 36.0),
             );
         }
         self.put("picture spots", lamps);
@@ -313,36 +300,36 @@ impl Site {
             let target = Vec3::new(x, 1.25, -2.5);
             let places = [at, target, at.with_y(HEIGHT)];
             let name = format!("counter spot {index}");
-            self.add_housed_spot(&mut lamps, name, places, 10.0 * WARM, cone(13.0, 34.0));
+            self.add_housed_spot(&mut lamps, name, places, 7.0 * WARM, cone(13.0, 70.0));
         }
         for (name, at, target, intensity, cone) in [
             (
                 "west flood",
                 [-6.5, 3.1, -3.1],
                 [1.2, 0.4, 1.0],
-                20.0,
-                cone(12.0, 34.0),
+                12.0,
+                cone(12.0, 66.0),
             ),
             (
                 "east flood",
                 [6.5, 3.1, 4.0],
                 [-1.2, 0.4, -1.0],
-                20.0,
-                cone(12.0, 34.0),
+                12.0,
+                cone(12.0, 66.0),
             ),
             (
                 "bench flood",
                 [-1.6, 3.12, 1.0],
                 [-1.6, 0.9, 4.2],
-                7.0,
-                cone(20.0, 56.0),
+                6.0,
+                cone(20.0, 74.0),
             ),
             (
                 "corner flood",
                 [4.4, 3.12, -0.5],
                 [5.3, 0.9, -3.6],
-                9.0,
-                cone(18.0, 48.0),
+                8.0,
+                cone(18.0, 74.0),
             ),
         ] {
             let at = Vec3::from(at);
@@ -354,7 +341,7 @@ impl Site {
             let target = at + Vec3::new(0.0, 1.0, 0.55);
             let places = [at, target, at - 0.06 * Vec3::Y];
             let name = format!("cornice light {index}");
-            self.add_housed_spot(&mut lamps, name, places, 4.2 * WARM, cone(28.0, 64.0));
+            self.add_housed_spot(&mut lamps, name, places, 4.2 * WARM, cone(28.0, 78.0));
         }
         self.put("floods", lamps);
     }
@@ -372,7 +359,7 @@ impl Site {
                 keys,
                 PIANO + Vec3::new(1.5, HEIGHT, 0.0),
                 13.0 * WARM,
-                cone(12.0, 26.0),
+                cone(12.0, 50.0),
             ),
             (
                 "door spot",
@@ -380,7 +367,7 @@ impl Site {
                 door,
                 Vec3::new(HALF[0] - 0.5, HEIGHT, 1.6),
                 13.0 * WARM,
-                cone(16.0, 38.0),
+                cone(16.0, 56.0),
             ),
             (
                 "armchair spot",
@@ -388,7 +375,7 @@ impl Site {
                 LOW,
                 LOW + Vec3::new(-0.3, HEIGHT, -0.2),
                 16.0 * WARM,
-                cone(14.0, 30.0),
+                cone(14.0, 52.0),
             ),
             (
                 "palm spot",
@@ -396,7 +383,7 @@ impl Site {
                 palm,
                 PALM + Vec3::new(-0.45, 0.0, 0.45),
                 9.0 * WARM,
-                cone(20.0, 42.0),
+                cone(20.0, 56.0),
             ),
         ] {
             let places = [at, target, stem];

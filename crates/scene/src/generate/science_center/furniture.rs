@@ -22,21 +22,18 @@ impl Site {
             let turn = if x == 0.0 { 0.25 * TAU } else { 0.0 };
             self.add_bench(index, Vec3::new(x, y, z), turn);
         }
-        for (index, (x, z)) in [(7.3, 0.1), (9.5, 3.6), (7.0, 6.2)].into_iter().enumerate() {
+        for (index, (x, z)) in [(4.7, 0.6), (5.0, 3.4), (7.0, 6.4)].into_iter().enumerate() {
             self.add_table(index, Vec3::new(x, 0.0, z));
         }
     }
 
-    /// A slatted bench, its length along z before it is turned.
+    /// A bench, its length along z before it is turned.
     fn add_bench(&mut self, index: usize, foot: Vec3, turn: f32) {
         let spin = Quat::from_rotation_y(turn);
         let (mut seat, mut legs) = (Mesh::default(), Mesh::default());
-        for slat in 0..3 {
-            let x = -0.24 + 0.17 * slat as f32;
-            cuboid(&mut seat, [x, 0.40, -1.1], [x + 0.14, 0.45, 1.1]);
-        }
+        cuboid(&mut seat, [-0.24, 0.39, -1.1], [0.24, 0.45, 1.1]);
         for z in [-0.8, 0.8] {
-            cuboid(&mut legs, [-0.22, 0.0, z - 0.04], [0.22, 0.41, z + 0.04]);
+            cuboid(&mut legs, [-0.20, 0.0, z - 0.05], [0.20, 0.40, z + 0.05]);
         }
         for (name, material, mesh) in [
             ("seat", self.palette.oak, seat),
@@ -51,20 +48,19 @@ impl Site {
     /// A round table with two chairs about it, pulled out more or less.
     fn add_table(&mut self, index: usize, foot: Vec3) {
         let own = self.key.mix(40 + index as u64);
-        let profile = [
-            [0.26, 0.0],
-            [0.04, 0.05],
-            [0.04, 0.70],
-            [0.42, 0.71],
-            [0.42, 0.745],
-            [0.0, 0.745],
-        ];
         let mut table = Mesh::default();
-        table.add(
-            &lathe(&profile.map(Vec2::from), self.fine(9)),
-            Quat::IDENTITY,
-            foot,
+        let top = lathe(
+            &[[0.42, 0.71], [0.42, 0.745], [0.0, 0.745]].map(Vec2::from),
+            8,
         );
+        table.add(&top, Quat::IDENTITY, foot);
+        for (half, low, high) in [(0.26, 0.0, 0.03), (0.035, 0.02, 0.72)] {
+            cuboid(
+                &mut table,
+                [foot.x - half, low, foot.z - half],
+                [foot.x + half, high, foot.z + half],
+            );
+        }
         self.part(format!("table {index}"), self.palette.column, table);
         for chair in 0..2 {
             let turn = TAU * (chair as f32 / 2.0 + 0.2 * own.uniform(chair)) + index as f32;
@@ -87,18 +83,14 @@ impl Site {
     }
 }
 
-/// A chair that looks towards −x.
+/// A chair that looks towards −x: a seat and a back between two boards.
 fn chair_mesh() -> Mesh {
     let mut mesh = Mesh::default();
-    cuboid(&mut mesh, [-0.21, 0.43, -0.21], [0.21, 0.46, 0.21]);
-    cuboid(&mut mesh, [0.18, 0.58, -0.20], [0.21, 0.86, 0.20]);
-    for z in [-0.18, 0.18] {
-        cuboid(
-            &mut mesh,
-            [-0.20, 0.0, z - 0.015],
-            [-0.16, 0.435, z + 0.015],
-        );
-        cuboid(&mut mesh, [0.165, 0.0, z - 0.015], [0.205, 0.72, z + 0.015]);
+    cuboid(&mut mesh, [-0.21, 0.42, -0.19], [0.20, 0.46, 0.19]);
+    cuboid(&mut mesh, [0.17, 0.56, -0.19], [0.20, 0.86, 0.19]);
+    for z in [-0.19, 0.17] {
+        cuboid(&mut mesh, [-0.20, 0.0, z], [-0.12, 0.44, z + 0.02]);
+        cuboid(&mut mesh, [0.13, 0.0, z], [0.21, 0.86, z + 0.02]);
     }
     mesh
 }

@@ -1,14 +1,17 @@
-//! A science centre: three storeys of balconies round an atrium, and one light, the daylight of
-//! its glass roof and glass front. Metres, y up, the floor at 0; the glass front is at +z, the
+//! A science centre: three storeys of balconies round an atrium, and one light, a flat skylight
+//! that leans over the atrium's front. Metres, y up, the floor at 0; the skylight is at +z, the
 //! entrance below the balconies at −z.
 //!
 //! ```text
-//!    ┌───────────── glass roof ─────────────┐ 13.5
-//!    ╞═══ gallery                           │  8.4
-//!    ╞══════ balcony        whale     glass │  4.2
-//!    └── entrance ─ stairs ───────── front ─┘  0
-//!   z −15       −9.5      0                13
+//!    ┌──────────────────────────╲            12.6
+//!    ╞═══ gallery                 ╲ skylight  8.4
+//!    ╞══════ balcony                │         4.2
+//!    └── entrance ─ stairs ─────────┘         0
+//!   z −15       −9.5      0        13
 //! ```
+//!
+//! What stands in the light is made of few large faces, so that each point's way to it is past
+//! a handful of triangles; most of them are in floors and walls, where they shade nothing.
 
 mod exhibits;
 mod furniture;
@@ -16,9 +19,10 @@ mod palette;
 mod paths;
 mod planting;
 mod railings;
+mod roof;
 mod shell;
 mod stairs;
-mod whale;
+mod tiling;
 
 use glam::Vec3;
 use lie_geom::RandomKey;
@@ -35,6 +39,8 @@ const FRONT: f32 = 13.0;
 const BALCONY: f32 = 4.2;
 const GALLERY: f32 = 8.4;
 const CEILING: f32 = 12.6;
+/// How thick the walls are.
+const WALL: f32 = 0.3;
 /// How thick the upper floors are.
 const SLAB: f32 = 0.4;
 /// Where the balcony ends: half its opening's width, and its edge at the back.
@@ -46,11 +52,11 @@ const GALLERY_EDGE: [f32; 2] = [7.4, -11.0];
 pub(crate) fn draft(parameters: &ScienceCenter) -> Draft {
     let mut site = Site::new(parameters);
     site.add_shell();
+    site.add_roof();
     site.add_daylight();
     site.add_columns();
     site.add_stairs();
     site.add_railings();
-    site.add_whale();
     site.add_exhibits();
     site.add_furniture();
     site.add_planting();

@@ -11,21 +11,20 @@ use crate::{
 
 /// Indices of the science centre's materials.
 pub(super) struct Palette {
-    pub(super) terrazzo: u32,
+    /// Tones of slabs and panels, the usual one first.
+    pub(super) terrazzo: [u32; 2],
     pub(super) carpet: u32,
-    pub(super) plaster: u32,
-    pub(super) accent: u32,
+    pub(super) plaster: [u32; 2],
+    pub(super) accent: [u32; 2],
     pub(super) ceiling: u32,
     pub(super) soffit: u32,
     pub(super) steel: u32,
     pub(super) column: u32,
     pub(super) oak: u32,
-    pub(super) bone: u32,
     pub(super) leaf: u32,
     pub(super) bark: u32,
     pub(super) soil: u32,
     pub(super) concrete: u32,
-    pub(super) brass: u32,
     pub(super) globe: u32,
     /// Bright paints: of chairs, and of the exhibits.
     pub(super) paints: [u32; 5],
@@ -47,11 +46,11 @@ impl Palette {
                 ..Material::diffuse(name, Vec3::ONE)
             })
         };
-        let terrazzo = textured(
-            "terrazzo",
-            terrazzo_texture(key.mix(1)),
-            Vec2::splat(1.0 / 4.0),
-        );
+        let terrazzo = [
+            ("pale terrazzo", Vec3::new(0.60, 0.58, 0.54)),
+            ("dark terrazzo", Vec3::new(0.37, 0.36, 0.345)),
+        ]
+        .map(|(name, ground)| textured(name, terrazzo_texture(key.mix(1), ground), Vec2::ONE));
         let oak = textured("oak", oak_texture(key.mix(2)), Vec2::splat(1.0 / 1.6));
         let soffit = textured(
             "slatted soffit",
@@ -75,17 +74,21 @@ impl Palette {
             globe,
             posters,
             carpet: paint("carpet", 0.16, 0.21, 0.25),
-            plaster: paint("plaster", 0.82, 0.75, 0.65),
-            accent: paint("teal wall", 0.10, 0.29, 0.31),
+            plaster: [
+                paint("plaster", 0.82, 0.75, 0.65),
+                paint("warm plaster", 0.79, 0.705, 0.59),
+            ],
+            accent: [
+                paint("teal wall", 0.10, 0.29, 0.31),
+                paint("dark teal wall", 0.085, 0.25, 0.275),
+            ],
             ceiling: paint("ceiling", 0.84, 0.83, 0.80),
             steel: paint("steel", 0.16, 0.18, 0.20),
             column: paint("white concrete", 0.78, 0.76, 0.72),
-            bone: paint("bone", 0.76, 0.68, 0.53),
             leaf: paint("leaves", 0.13, 0.29, 0.075),
             bark: paint("bark", 0.22, 0.14, 0.085),
             soil: paint("soil", 0.09, 0.065, 0.05),
             concrete: paint("concrete", 0.46, 0.45, 0.43),
-            brass: paint("brass", 0.62, 0.44, 0.17),
             paints: [
                 paint("orange", 0.78, 0.27, 0.06),
                 paint("yellow", 0.82, 0.58, 0.10),
@@ -97,21 +100,13 @@ impl Palette {
     }
 }
 
-/// Chips in a pale ground, in slabs of a metre with thin joints; every fourth is darker.
-fn terrazzo_texture(key: RandomKey) -> Texture {
-    const SIDE: u32 = 256;
+/// A slab: chips in a plain ground, and half a joint along two sides.
+fn terrazzo_texture(key: RandomKey, ground: Vec3) -> Texture {
+    const SIDE: u32 = 128;
     bitmap(SIDE, SIDE, |x, y| {
-        let slab = key.mix(u64::from(x / 64)).mix(u64::from(y / 64));
-        let chip = key.mix(7).mix(u64::from(x)).mix(u64::from(y)).uniform(0);
-        let joint = x % 64 == 0 || y % 64 == 0;
-        let dark = (x / 64 + 2 * (y / 64)) % 4 == 0;
-        let ground = if dark {
-            Vec3::new(0.37, 0.36, 0.345)
-        } else {
-            Vec3::new(0.60, 0.58, 0.54)
-        };
-        let tint = 0.95 + 0.1 * slab.uniform(0) + 0.16 * (chip - 0.5);
-        ground * tint * if joint { 0.6 } else { 1.0 }
+        let chip = key.mix(u64::from(x / 2)).mix(u64::from(y / 2)).uniform(0);
+        let joint = x == 0 || y == 0;
+        ground * (1.0 + 0.16 * (chip - 0.5)) * if joint { 0.6 } else { 1.0 }
     })
 }
 

@@ -127,15 +127,13 @@ impl Site {
             [-reach, level - 0.3, back - 0.03],
             [reach, level, front + 0.03],
         );
-        // Two walls carry the landing.
-        for side in [-1.0, 1.0] {
-            cuboid(
-                &mut cheeks,
-                [side * 1.2, 0.0, back + 0.55],
-                [side * 1.45, level - 0.28, front - 0.55],
-            );
-        }
+        // A wall below the landing, and the space under the upper flight closed by another.
+        cuboid(
+            &mut cheeks,
+            [-WIDE_HALF, 0.0, back + 0.2],
+            [WIDE_HALF, level - 0.28, front - 0.2],
+        );
         self.part("steps", self.palette.oak, steps);
-        self.part("stair cheeks", self.palette.plaster, cheeks);
+        self.part("stair cheeks", self.palette.plaster[0], cheeks);
     }
 }

@@ -62,15 +62,12 @@ pub(super) fn add(
 
 fn generated(geometry: &GeometryEntry, generator: &Spanned<String>) -> Result<Draft, Problem> {
     let detail = geometry.detail.map_or(1.0, |detail| detail.0);
-    if detail > generate::MAX_DETAIL {
-        let most = generate::MAX_DETAIL;
-        return Err((
-            generator.span(),
-            format!("expected a detail of at most {most}"),
-        ));
-    }
     let seed = geometry.seed.unwrap_or(1);
     match generator.as_ref().as_str() {
+        "cornell-box" if geometry.seed.is_some() || geometry.detail.is_some() => Err((
+            generator.span(),
+            "the Cornell box is always the same: it takes no seed and no detail".into(),
+        )),
         "cornell-box" => Ok(generate::cornell_draft()),
         "gallery" => Ok(generate::gallery_draft(&generate::Gallery { seed, detail })),
         "mosque" => Ok(generate::mosque_draft(&generate::Mosque { seed, detail })),

@@ -6,6 +6,8 @@ use glam::{UVec2, Vec2, Vec3};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::generate::MAX_DETAIL;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneFile {
@@ -34,7 +36,7 @@ pub(super) struct GeometryEntry {
     /// Generators: what random numbers start from.
     pub(super) seed: Option<u64>,
     /// Generators: how finely round things are divided; 1 is the usual.
-    pub(super) detail: Option<Positive>,
+    pub(super) detail: Option<Detail>,
     pub(super) translation: Option<Point>,
     pub(super) rotation_axis: Option<Point>,
     pub(super) rotation_degrees: Option<Rotation>,
@@ -177,10 +179,10 @@ pub(super) struct Size(pub(super) Vec2);
 #[serde(try_from = "f32")]
 pub(super) struct Unit(pub(super) f32);
 
-/// A number above 0.
+/// How finely generators divide round things.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f32")]
-pub(super) struct Positive(pub(super) f32);
+pub(super) struct Detail(pub(super) f32);
 
 /// Degrees between 0 and 180, held in radians.
 #[derive(Clone, Copy, Deserialize)]
@@ -243,12 +245,12 @@ impl TryFrom<f32> for Unit {
     }
 }
 
-impl TryFrom<f32> for Positive {
-    type Error = &'static str;
+impl TryFrom<f32> for Detail {
+    type Error = String;
     fn try_from(value: f32) -> Result<Self, Self::Error> {
-        (value.is_finite() && value > 0.0)
+        (value > 0.0 && value <= MAX_DETAIL)
             .then_some(Self(value))
-            .ok_or("expected a finite number above 0")
+            .ok_or_else(|| format!("expected a detail above 0 and at most {MAX_DETAIL}"))
     }
 }
 

@@ -75,8 +75,13 @@ fn errors_name_the_line_and_column() {
         ),
         (
             "[[geometry]]\ngenerator = \"bar\"\ndetail = 5",
-            ":2:13:",
+            ":3:10:",
             "at most 4",
+        ),
+        (
+            "[[geometry]]\ngenerator = \"cornell-box\"\nseed = 5",
+            ":2:13:",
+            "always the same",
         ),
         ("[[geometry]]\nfile = \"/etc/passwd\"", ":1:1:", "relative"),
         (
@@ -102,6 +107,31 @@ fn errors_name_the_line_and_column() {
             found.contains(place) && found.contains(piece),
             "{text}\n→ {message}"
         );
+    }
+}
+
+#[test]
+fn parameters_of_generators_out_of_range_are_placed() {
+    for generator in ["gallery", "bar", "mosque", "science-center"] {
+        for (parameter, place, piece) in [
+            ("detail = 4.01", ":3:10:", "above 0 and at most 4"),
+            ("detail = 0", ":3:10:", "above 0 and at most 4"),
+            ("detail = -1.0", ":3:10:", "above 0 and at most 4"),
+            ("detail = nan", ":3:10:", "above 0 and at most 4"),
+            ("detail = inf", ":3:10:", "above 0 and at most 4"),
+            ("detail = \"fine\"", ":3:10:", "expected f32"),
+            ("seed = -1", ":3:8:", "expected u64"),
+            ("seed = 0.5", ":3:8:", "expected u64"),
+            ("columns = 9", ":3:1:", "unknown field `columns`"),
+        ] {
+            let text = format!("[[geometry]]\ngenerator = \"{generator}\"\n{parameter}");
+            let message = outcome(&text).unwrap_err();
+            let found = message.find("scene.toml").map_or("", |at| &message[at..]);
+            assert!(
+                found.contains(place) && found.contains(piece),
+                "{text}\n→ {message}"
+            );
+        }
     }
 }
 
