@@ -11,7 +11,7 @@ use std::{hint::black_box, sync::Arc, sync::atomic::AtomicBool, time::Duration};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{UVec2, Vec2, Vec3};
-use lie_accel::{AccelKind, Occluders, PACKET, RayPacket};
+use lie_accel::{AccelKind, PACKET, RayPacket};
 use lie_farm::{Builder, ConstructSettings, LieReplica, View};
 use lie_geom::{RandomKey, Ray};
 use lie_octree::{CellBody, LieTree};
@@ -161,6 +161,7 @@ fn occluder_lists(criterion: &mut Criterion) {
         .collect();
     blockers.sort_unstable();
     blockers.dedup();
+    let packets = packets(&shadow_rays);
     let mut group = criterion.benchmark_group("occluder lists");
     group.throughput(Throughput::Elements(shadow_rays.len() as u64));
     for length in [1, 8, 24] {
@@ -171,13 +172,12 @@ fn occluder_lists(criterion: &mut Criterion) {
             .step_by(stride)
             .take(length)
             .collect();
-        let occluders = Occluders::gather(&world.scene().geometry, None, &list);
         group.bench_function(format!("{} triangles", list.len()), |bencher| {
-            bencher.iter(|| {
-                let blocked = shadow_rays
+            bencher.iter(|| -> u32 {
+                let blocked = packets
                     .iter()
-                    .filter(|ray| occluders.is_blocked(ray, None));
-                blocked.count()
+                    .map(|packet| world.blocked_by_any(&list, packet));
+                blocked.map(u32::count_ones).sum()
             });
         });
     }

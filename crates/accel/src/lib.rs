@@ -34,7 +34,6 @@ mod cutout;
 mod grid;
 mod kind;
 mod node;
-mod occluders;
 mod packet;
 mod single;
 mod stack;
@@ -43,7 +42,6 @@ pub use bvh::{Bvh, BvhStats};
 pub use cutout::Cutout;
 pub use grid::{GridStats, TwoLevelGrid};
 pub use kind::AccelKind;
-pub use occluders::Occluders;
 pub use packet::{PACKET, RayPacket};
 
 use lie_geom::{Hit, Ray};

@@ -122,6 +122,14 @@ impl LieLookup for PublishedLies {
     fn cell(&self, point: Vec3) -> &LieCell {
         self.0.leaf_at(point)
     }
+
+    fn for_each_cell<'a>(
+        &'a self,
+        points: &mut dyn Iterator<Item = Vec3>,
+        found: &mut dyn FnMut(&'a LieCell),
+    ) {
+        self.0.for_each_leaf_at(points, found);
+    }
 }
 
 /// An LIE in the form that shading wants. The caller has checked its indices.

@@ -105,6 +105,16 @@ impl<T> Replica<T> {
         &self.tree.leaf_at(point).value
     }
 
+    /// The leaf around each of many points; neighbours should follow each other.
+    pub fn for_each_leaf_at<'a>(
+        &'a self,
+        points: impl Iterator<Item = Vec3>,
+        mut found: impl FnMut(&'a T),
+    ) {
+        self.tree
+            .for_each_leaf_at(points, |leaf| found(&*leaf.value));
+    }
+
     /// The smallest cell around a point.
     #[must_use]
     pub fn key_at(&self, point: Vec3) -> CellKey {

@@ -116,6 +116,41 @@ impl<T: Clone> Octree<T> {
         }
     }
 
+    /// The leaf around each of many points. One that shares a cell with the point before it
+    /// costs next to nothing.
+    pub fn for_each_leaf_at<'a>(
+        &'a self,
+        points: impl Iterator<Item = Vec3>,
+        mut found: impl FnMut(&'a T),
+    ) {
+        // The nodes on the way to the last point, and that point.
+        let mut way = [&*self.root; CellKey::MAX_DEPTH as usize + 1];
+        let mut last = UVec3::ZERO;
+        let mut depth = 0;
+        for point in points {
+            let position = self.cube.quantize(point);
+            let apart = position ^ last;
+            let apart = apart.x | apart.y | apart.z;
+            // Down to the level where the two part, the way is the same.
+            let shared = apart.leading_zeros() - (u32::BITS - CellKey::MAX_DEPTH);
+            depth = depth.min(shared);
+            last = position;
+            loop {
+                match way[depth as usize] {
+                    Node::Leaf(value) => {
+                        found(value);
+                        break;
+                    }
+                    Node::Inner(children) => {
+                        let level = CellKey::MAX_DEPTH - 1 - depth;
+                        depth += 1;
+                        way[depth as usize] = &children[octant(position, level)];
+                    }
+                }
+            }
+        }
+    }
+
     /// The key of the leaf around a point.
     pub fn key_at(&self, point: Vec3) -> CellKey {
         let position = self.cube.quantize(point);
@@ -249,6 +284,31 @@ mod tests {
                 tree.split(key, &0);
             }
         }
+    }
+
+    #[test]
+    fn many_points_find_the_leaves_that_each_finds() {
+        let mut tree = Octree::new(cube(), 0);
+        for number in 1..200 {
+            let key = tree.key_at(place(number));
+            if key.depth() < CellKey::MAX_DEPTH {
+                tree.split(key, &number);
+            }
+        }
+        // Neighbours, jumps, and one place twice.
+        let points: Vec<Vec3> = (0..900).map(|number| place(number / 2 * 7 % 300)).collect();
+        let mut found = vec![];
+        tree.for_each_leaf_at(points.iter().copied(), |leaf| found.push(leaf));
+        let one_by_one: Vec<&i32> = points.iter().map(|&point| tree.leaf_at(point)).collect();
+        assert_eq!(found, one_by_one);
+    }
+
+    fn place(number: i32) -> Vec3 {
+        Vec3::new(
+            (number * 37 % 80) as f32 * 0.1 - 3.0,
+            (number % 50) as f32 * 0.1 - 3.0,
+            (number % 40) as f32 * 0.1 - 3.0,
+        )
     }
 
     #[test]

@@ -50,7 +50,7 @@ impl Brdf {
         if cos_i <= 0.0 || self.geometric_normal.dot(wi) <= 0.0 {
             return Vec3::ZERO;
         }
-        if self.f90 == 0.0 && self.f0 == Vec3::ZERO {
+        if self.is_matt() {
             return self.diffuse * cos_i;
         }
         let half = (wi + self.wo).normalize_or(self.normal);
@@ -60,7 +60,9 @@ impl Brdf {
         let a2 = self.alpha * self.alpha;
         let masking_i = self.cos_o * (cos_i * cos_i * (1.0 - a2) + a2).sqrt();
         let masking_o = cos_i * (self.cos_o * self.cos_o * (1.0 - a2) + a2).sqrt();
-        let specular = fresnel * (self.distribution(half) * 0.5 / (masking_i + masking_o));
+        let spread = self.spread(half);
+        let lobe = 0.5 * a2 / (PI * spread * spread * (masking_i + masking_o));
+        let specular = fresnel * lobe;
         (self.diffuse * (Vec3::ONE - fresnel) + specular) * cos_i
     }
 
@@ -70,7 +72,14 @@ impl Brdf {
     #[inline]
     pub fn is_smooth(&self) -> bool {
         const ALPHA: f32 = 0.25;
-        self.alpha < ALPHA && (self.f90 > 0.0 || self.f0 != Vec3::ZERO)
+        self.alpha < ALPHA && !self.is_matt()
+    }
+
+    /// Whether it is pure Lambert.
+    #[must_use]
+    #[inline]
+    pub fn is_matt(&self) -> bool {
+        self.f90 == 0.0 && self.f0 == Vec3::ZERO
     }
 
     /// A direction of the specular lobe, by the distribution of visible normals (Heitz
@@ -120,11 +129,17 @@ impl Brdf {
     /// The GGX distribution of microfacet normals, in sr⁻¹.
     #[inline]
     fn distribution(&self, half: Vec3) -> f32 {
+        let a2 = self.alpha * self.alpha;
+        let spread = self.spread(half);
+        a2 / (PI * spread * spread)
+    }
+
+    /// How far a microfacet normal is from the surface's, squared, in terms of the roughness.
+    #[inline]
+    fn spread(&self, half: Vec3) -> f32 {
         let cos = self.normal.dot(half).max(0.0);
         // Not 1 − cos²: on smooth surfaces the lobe is so narrow that all digits would cancel.
         let sin2 = self.normal.cross(half).length_squared();
-        let a2 = self.alpha * self.alpha;
-        let d = cos * cos * a2 + sin2;
-        a2 / (PI * d * d)
+        cos * cos * (self.alpha * self.alpha) + sin2
     }
 }

@@ -3,7 +3,7 @@ use lie_geom::{
     RandomKey, Ray,
     sampling::{strata, stratified},
 };
-use lie_scene::Camera;
+use lie_scene::CameraFilm;
 
 use crate::FrameSettings;
 
@@ -11,7 +11,7 @@ impl FrameSettings {
     /// The ray of a pixel's sample and the key of its random numbers.
     pub(crate) fn camera_ray(
         &self,
-        camera: &Camera,
+        film: &CameraFilm,
         pixel: UVec2,
         sample: u32,
     ) -> (Ray, RandomKey) {
@@ -24,6 +24,6 @@ impl FrameSettings {
         } else {
             stratified(strata(count), sample, key.uniform2(0))
         };
-        (camera.ray(pixel.as_vec2() + offset, self.size), key.mix(1))
+        (film.ray(pixel.as_vec2() + offset), key.mix(1))
     }
 }

@@ -1,5 +1,4 @@
 use glam::Vec3;
-use lie_accel::Occluders;
 
 use crate::World;
 
@@ -9,32 +8,22 @@ use crate::World;
 pub struct LieCell {
     /// Lights that every surface point in the cell sees whole, by number.
     pub unoccluded: Vec<u32>,
-    /// Lights with extent that some points see in part. Many rays from one point go to each:
-    /// its occluders lie ready, eight to a block.
+    /// Lights with extent, and directional ones, that some points do not see whole.
     pub partial: Vec<LieLight>,
-    /// Points and spots that some points do not see. Many points send a ray to each: one
-    /// occluder at a time serves them all, and its number is enough.
-    pub partial_delta: Vec<LieDeltaLight>,
+    /// Points and spots that some points do not see.
+    pub partial_delta: Vec<LieLight>,
     /// Lights whose shadow rays go through the scene, since too little is known of them or
     /// too much is in the way, in rising order.
     pub traced: Vec<u32>,
 }
 
-/// A partially occluded light with extent.
+/// A partially occluded light.
 #[derive(Clone, Debug, Default)]
 pub struct LieLight {
     /// Number of the light in the scene.
     pub light: u32,
-    /// What may be in the way.
-    pub occluders: Occluders,
-}
-
-/// A partially occluded point or spot.
-#[derive(Clone, Debug, Default)]
-pub struct LieDeltaLight {
-    /// Number of the light in the scene.
-    pub light: u32,
-    /// Triangles that may be in the way.
+    /// Triangles that may be in the way. Sixteen rays are tested against one at a time: its
+    /// number is enough.
     pub occluders: Box<[u32]>,
 }
 
@@ -55,14 +44,15 @@ impl LieCell {
         for (light, occluders) in lights {
             if occluders.is_empty() {
                 cell.unoccluded.push(light);
-            } else if world.delta_light(light).is_some() {
-                let exists = |triangle: &u32| (*triangle as usize) < scene.geometry.len();
-                let occluders = occluders.iter().copied().filter(exists).collect();
-                cell.partial_delta.push(LieDeltaLight { light, occluders });
-            } else {
-                let occluders = Occluders::gather(&scene.geometry, Some(scene), occluders);
-                cell.partial.push(LieLight { light, occluders });
+                continue;
             }
+            let exists = |triangle: &u32| (*triangle as usize) < scene.geometry.len();
+            let occluders = occluders.iter().copied().filter(exists).collect();
+            let list = match world.delta_light(light) {
+                Some(_) => &mut cell.partial_delta,
+                None => &mut cell.partial,
+            };
+            list.push(LieLight { light, occluders });
         }
         cell
     }
@@ -76,18 +66,15 @@ impl LieCell {
     /// Memory in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let blocks = self.partial.iter().map(|entry| entry.occluders.bytes());
-        let numbers = self
-            .partial_delta
-            .iter()
-            .map(|entry| size_of_val(&entry.occluders[..]));
+        let lists = self.partial.iter().chain(&self.partial_delta);
         size_of::<Self>()
             + size_of_val(&self.unoccluded[..])
             + size_of_val(&self.partial[..])
             + size_of_val(&self.partial_delta[..])
             + size_of_val(&self.traced[..])
-            + blocks.sum::<usize>()
-            + numbers.sum::<usize>()
+            + lists
+                .map(|entry| size_of_val(&entry.occluders[..]))
+                .sum::<usize>()
     }
 }
 
@@ -96,4 +83,15 @@ pub trait LieLookup: Sync {
     /// The LIE of the smallest cell around a point. Numbers of lights that the scene does
     /// not have are passed over.
     fn cell(&self, point: Vec3) -> &LieCell;
+
+    /// [`Self::cell`] of many points; neighbours should follow each other.
+    fn for_each_cell<'a>(
+        &'a self,
+        points: &mut dyn Iterator<Item = Vec3>,
+        found: &mut dyn FnMut(&'a LieCell),
+    ) {
+        for point in points {
+            found(self.cell(point));
+        }
+    }
 }

@@ -5,7 +5,7 @@
 use std::f32::consts::PI;
 
 use lie_accel::PACKET;
-use lie_scene::{Light, LightKind, Surface};
+use lie_scene::{Light, LightKind, Surface, ramp_slope};
 use multiversion::multiversion;
 
 use crate::Brdf;
@@ -25,8 +25,13 @@ pub(crate) struct PointLanes {
     diffuse: [Lanes; 3],
     f0: [Lanes; 3],
     f90: Lanes,
-    alpha: Lanes,
+    /// GGX α, squared.
+    alpha2: Lanes,
     cos_o: Lanes,
+    /// What masking on the way to the eye has beside the light's cosine.
+    root_o: Lanes,
+    /// Whether any lane reflects more than Lambert.
+    is_glossy: bool,
 }
 
 /// Radiance of each point, by channel.
@@ -38,8 +43,8 @@ pub(crate) struct DeltaLight {
     pub(crate) position: [f32; 3],
     radiant_intensity: [f32; 3],
     direction: [f32; 3],
-    cos_inner: f32,
     cos_outer: f32,
+    ramp_slope: f32,
 }
 
 impl DeltaLight {
@@ -54,8 +59,8 @@ impl DeltaLight {
                 position: position.to_array(),
                 radiant_intensity: radiant_intensity.to_array(),
                 direction: [0.0; 3],
-                cos_inner: -1.0,
                 cos_outer: -2.0,
+                ramp_slope: 1.0,
             }),
             LightKind::Spot {
                 position,
@@ -67,8 +72,8 @@ impl DeltaLight {
                 position: position.to_array(),
                 radiant_intensity: radiant_intensity.to_array(),
                 direction: direction.to_array(),
-                cos_inner,
                 cos_outer,
+                ramp_slope: ramp_slope(cos_inner, cos_outer),
             }),
             LightKind::Directional { .. } | LightKind::Area(_) => None,
         }
@@ -88,8 +93,10 @@ impl PointLanes {
             diffuse: zero,
             f0: zero,
             f90: [0.0; PACKET],
-            alpha: [1.0; PACKET],
+            alpha2: [1.0; PACKET],
             cos_o: [1.0; PACKET],
+            root_o: [1.0; PACKET],
+            is_glossy: false,
         }
     }
 
@@ -105,13 +112,20 @@ impl PointLanes {
             self.f0[axis][lane] = brdf.f0[axis];
         }
         self.f90[lane] = brdf.f90;
-        self.alpha[lane] = brdf.alpha;
+        let a2 = brdf.alpha * brdf.alpha;
+        self.alpha2[lane] = a2;
         self.cos_o[lane] = brdf.cos_o;
+        self.root_o[lane] = (brdf.cos_o * brdf.cos_o * (1.0 - a2) + a2).sqrt();
+        self.is_glossy |= !brdf.is_matt();
     }
 
     /// What a light gives each point if nothing is in the way.
     pub(crate) fn shade(&self, light: &DeltaLight) -> RadianceLanes {
-        shade(self, light)
+        if self.is_glossy {
+            shade_glossy(self, light)
+        } else {
+            shade_matt(self, light)
+        }
     }
 }
 
@@ -119,7 +133,21 @@ impl PointLanes {
     "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
     "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
 ))]
-fn shade(points: &PointLanes, light: &DeltaLight) -> RadianceLanes {
+fn shade_glossy(points: &PointLanes, light: &DeltaLight) -> RadianceLanes {
+    shade::<true>(points, light)
+}
+
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+fn shade_matt(points: &PointLanes, light: &DeltaLight) -> RadianceLanes {
+    shade::<false>(points, light)
+}
+
+/// Without `GLOSSY` all lanes are Lambert.
+#[inline(always)]
+fn shade<const GLOSSY: bool>(points: &PointLanes, light: &DeltaLight) -> RadianceLanes {
     let mut radiance = [[0.0; PACKET]; 3];
     for lane in 0..PACKET {
         let at = |lanes: &[Lanes; 3]| [lanes[0][lane], lanes[1][lane], lanes[2][lane]];
@@ -128,37 +156,23 @@ fn shade(points: &PointLanes, light: &DeltaLight) -> RadianceLanes {
         let reciprocal = 1.0 / squared.sqrt();
         let wi = scale(to_light, reciprocal);
         let cosine = -dot(wi, light.direction);
-        let ramp = (cosine - light.cos_outer) / larger(light.cos_inner - light.cos_outer, 1.0e-4);
-        let ramp = smaller(ramp, 1.0);
+        let ramp = smaller((cosine - light.cos_outer) * light.ramp_slope, 1.0);
         let falloff = ramp * ramp;
 
-        let (normal, wo, f0) = (at(&points.normal), at(&points.wo), at(&points.f0));
-        let (alpha, cos_o, f90) = (points.alpha[lane], points.cos_o[lane], points.f90[lane]);
+        let (normal, f0, f90) = (at(&points.normal), at(&points.f0), points.f90[lane]);
         let cos_i = dot(normal, wi);
-        let sum = add(wi, wo);
-        let half_reciprocal = 1.0 / dot(sum, sum).sqrt();
-        let has_half = half_reciprocal < f32::INFINITY;
-        let half = scale(sum, half_reciprocal);
-        let half = [0, 1, 2].map(|axis| if has_half { half[axis] } else { normal[axis] });
-        let grazing = 1.0 - smaller(larger(dot(wo, half), 0.0), 1.0);
-        let grazing2 = grazing * grazing;
-        let grazing5 = grazing2 * grazing2 * grazing;
-        let a2 = alpha * alpha;
-        let masking_i = cos_o * (cos_i * cos_i * (1.0 - a2) + a2).sqrt();
-        let masking_o = cos_i * (cos_o * cos_o * (1.0 - a2) + a2).sqrt();
-        let cos_half = larger(dot(normal, half), 0.0);
-        let sine = cross(normal, half);
-        let spread = cos_half * cos_half * a2 + dot(sine, sine);
-        let distribution = a2 / (PI * spread * spread);
-        let lobe = distribution * 0.5 / (masking_i + masking_o);
-
+        let (grazing5, lobe) = if GLOSSY {
+            glossy(points, lane, wi, cos_i)
+        } else {
+            (0.0, 0.0)
+        };
         let faces = (cos_i > 0.0)
             & (dot(at(&points.geometric_normal), wi) > 0.0)
             & (cosine > light.cos_outer)
             & (reciprocal > 0.0)
             & (reciprocal < f32::INFINITY);
         let diffuse = at(&points.diffuse);
-        let matt = (f90 == 0.0) & (f0[0] == 0.0) & (f0[1] == 0.0) & (f0[2] == 0.0);
+        let matt = !GLOSSY | (f90 == 0.0) & (f0[0] == 0.0) & (f0[1] == 0.0) & (f0[2] == 0.0);
         let mut finite = true;
         let mut value = [0.0; 3];
         for channel in 0..3 {
@@ -170,7 +184,8 @@ fn shade(points: &PointLanes, light: &DeltaLight) -> RadianceLanes {
             } else {
                 glossy
             };
-            let irradiance = light.radiant_intensity[channel] / squared * falloff;
+            let irradiance = light.radiant_intensity[channel] * (reciprocal * reciprocal);
+            let irradiance = irradiance * falloff;
             value[channel] = reflected * irradiance;
             finite &= value[channel].abs() < f32::INFINITY;
         }
@@ -180,6 +195,32 @@ fn shade(points: &PointLanes, light: &DeltaLight) -> RadianceLanes {
         }
     }
     radiance
+}
+
+/// The fifth power of the grazing angle's complement, and the lobe without its Fresnel term.
+#[inline(always)]
+fn glossy(points: &PointLanes, lane: usize, wi: [f32; 3], cos_i: f32) -> (f32, f32) {
+    let at = |lanes: &[Lanes; 3]| [lanes[0][lane], lanes[1][lane], lanes[2][lane]];
+    let (normal, wo) = (at(&points.normal), at(&points.wo));
+    let sum = add(wi, wo);
+    let reciprocal = 1.0 / dot(sum, sum).sqrt();
+    let has_half = reciprocal < f32::INFINITY;
+    let half = scale(sum, reciprocal);
+    let half = [
+        if has_half { half[0] } else { normal[0] },
+        if has_half { half[1] } else { normal[1] },
+        if has_half { half[2] } else { normal[2] },
+    ];
+    let grazing = 1.0 - smaller(larger(dot(wo, half), 0.0), 1.0);
+    let grazing2 = grazing * grazing;
+    let (a2, cos_o) = (points.alpha2[lane], points.cos_o[lane]);
+    let masking_i = cos_o * (cos_i * cos_i * (1.0 - a2) + a2).sqrt();
+    let masking_o = cos_i * points.root_o[lane];
+    let cos_half = larger(dot(normal, half), 0.0);
+    let sine = cross(normal, half);
+    let spread = cos_half * cos_half * a2 + dot(sine, sine);
+    let lobe = 0.5 * a2 / (PI * spread * spread * (masking_i + masking_o));
+    (grazing2 * grazing2 * grazing, lobe)
 }
 
 #[inline(always)]

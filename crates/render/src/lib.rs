@@ -31,6 +31,7 @@ mod camera_ray;
 mod cell;
 mod delta_groups;
 mod delta_lanes;
+mod extent_lights;
 mod film;
 mod frame;
 mod image_file;
@@ -46,7 +47,7 @@ mod world;
 
 pub use aov::{AovLies, AovPixel, Aovs, CellAov, CellFacts, CostModel, Work, write_aovs};
 pub use brdf::Brdf;
-pub use cell::{LieCell, LieDeltaLight, LieLight, LieLookup};
+pub use cell::{LieCell, LieLight, LieLookup};
 pub use film::{Film, Precision};
 pub use frame::render_frame;
 pub use image_file::{ImageError, read_image, write_exr, write_png};

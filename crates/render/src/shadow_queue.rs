@@ -28,6 +28,10 @@ impl<'a> ShadowQueue<'a> {
     /// Queues a ray; its light is added to `sums[pixel]` if nothing blocks it.
     #[inline]
     pub(crate) fn push(&mut self, light_ray: &LightRay, pixel: usize, sums: &mut [Vec3]) {
+        // Rays from one origin cost less together; half a packet of them is worth it.
+        if self.len >= PACKET / 2 && light_ray.ray.origin != self.rays[0].origin {
+            self.flush(sums);
+        }
         self.rays[self.len] = light_ray.ray;
         self.adds[self.len] = (pixel, light_ray.radiance);
         self.len += 1;

@@ -12,6 +12,8 @@ pub struct World {
     accel: Box<dyn Accel>,
     /// For each light, its form for lanes, if it has one.
     delta_lights: Vec<Option<DeltaLight>>,
+    /// Numbers of the lights that have none.
+    other_lights: Vec<u32>,
     has_lobe_lights: bool,
     has_holes: bool,
     reach: f32,
@@ -31,8 +33,11 @@ impl World {
         let cutout: Option<Arc<dyn Cutout>> = if has_holes { Some(scene.clone()) } else { None };
         let accel = kind.build(&scene.geometry, cutout);
         let lights = &scene.lights;
+        let delta_lights: Vec<_> = lights.iter().map(DeltaLight::new).collect();
+        let has_extent = |light: &u32| delta_lights[*light as usize].is_none();
         Self {
-            delta_lights: lights.iter().map(DeltaLight::new).collect(),
+            other_lights: (0..lights.len() as u32).filter(has_extent).collect(),
+            delta_lights,
             has_holes,
             has_lobe_lights: lights.iter().any(follows_lobe),
             reach: scene.reach(),
@@ -62,6 +67,16 @@ impl World {
     /// A light in the form for lanes, if it has one.
     pub(crate) fn delta_light(&self, light: u32) -> Option<&DeltaLight> {
         self.delta_lights.get(light as usize)?.as_ref()
+    }
+
+    /// The lights that have no form for lanes, by number.
+    pub(crate) fn other_lights(&self) -> &[u32] {
+        &self.other_lights
+    }
+
+    /// All lights in the form for lanes, that have one.
+    pub(crate) fn delta_lights(&self) -> impl Iterator<Item = &DeltaLight> {
+        self.delta_lights.iter().flatten()
     }
 
     /// Whether any light is sampled by where smooth surfaces reflect to.

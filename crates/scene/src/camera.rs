@@ -36,14 +36,19 @@ impl Camera {
     /// The ray through a point of the film: (0, 0) is the upper left corner, `size` the
     /// lower right one. Its direction has unit length.
     #[must_use]
-    #[inline]
     pub fn ray(&self, film: Vec2, size: UVec2) -> Ray {
-        let size = size.as_vec2();
-        let half_height = (0.5 * self.vertical_fov).tan();
-        let x = (2.0 * film.x - size.x) / size.y * half_height;
-        let y = (size.y - 2.0 * film.y) / size.y * half_height;
-        let direction = self.orientation * Vec3::new(x, y, -1.0);
-        Ray::new(self.eye, direction.normalize_or(Vec3::NEG_Z))
+        self.film(size).ray(film)
+    }
+
+    /// The film of a picture of this many columns and rows.
+    #[must_use]
+    pub fn film(&self, size: UVec2) -> CameraFilm {
+        CameraFilm {
+            eye: self.eye,
+            orientation: self.orientation,
+            half_height: (0.5 * self.vertical_fov).tan(),
+            size: size.as_vec2(),
+        }
     }
 
     /// Where the camera looks; unit length.
@@ -60,6 +65,28 @@ impl Camera {
             && self.orientation.is_normalized()
             && self.vertical_fov > 0.0
             && self.vertical_fov < std::f32::consts::PI
+    }
+}
+
+/// A camera's film: what all rays of a picture have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraFilm {
+    eye: Vec3,
+    orientation: Quat,
+    /// Of the film at distance 1.
+    half_height: f32,
+    size: Vec2,
+}
+
+impl CameraFilm {
+    /// [`Camera::ray`].
+    #[must_use]
+    #[inline]
+    pub fn ray(&self, film: Vec2) -> Ray {
+        let x = (2.0 * film.x - self.size.x) / self.size.y * self.half_height;
+        let y = (self.size.y - 2.0 * film.y) / self.size.y * self.half_height;
+        let direction = self.orientation * Vec3::new(x, y, -1.0);
+        Ray::new(self.eye, direction.normalize_or(Vec3::NEG_Z))
     }
 }
 

@@ -36,13 +36,13 @@ mod surface;
 mod texture;
 mod walkthrough;
 
-pub use camera::Camera;
+pub use camera::{Camera, CameraFilm};
 pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
 pub use generate::{
     Bar, Gallery, Mosque, ScienceCenter, bar, cornell_box, gallery, mosque, science_center,
 };
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
-pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample};
+pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample, ramp_slope};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use model::{Background, RenderSettings, Scene, SceneError};

@@ -340,11 +340,19 @@ impl Light {
 #[inline]
 fn from_point(point: Vec3, position: Vec3, radiant_intensity: Vec3) -> Option<LightSample> {
     let to_light = position - point;
-    Some(LightSample {
+    let reciprocal = to_light.length_recip();
+    (reciprocal > 0.0 && reciprocal.is_finite()).then(|| LightSample {
         target: position,
-        wi: to_light.try_normalize()?,
-        normal_irradiance: radiant_intensity / to_light.length_squared(),
+        wi: to_light * reciprocal,
+        normal_irradiance: radiant_intensity * (reciprocal * reciprocal),
     })
+}
+
+/// By how much the ramp of a spot's soft edge rises per unit of the cosine.
+#[must_use]
+#[inline]
+pub fn ramp_slope(cos_inner: f32, cos_outer: f32) -> f32 {
+    1.0 / (cos_inner - cos_outer).max(1.0e-4)
 }
 
 /// `KHR_lights_punctual`: the square of a ramp between the cosines.
@@ -353,7 +361,7 @@ fn spot_falloff(cosine: f32, cos_inner: f32, cos_outer: f32) -> f32 {
     if cosine <= cos_outer {
         return 0.0;
     }
-    let ramp = ((cosine - cos_outer) / (cos_inner - cos_outer).max(1.0e-4)).min(1.0);
+    let ramp = ((cosine - cos_outer) * ramp_slope(cos_inner, cos_outer)).min(1.0);
     ramp * ramp
 }
 

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use lie_geom::{Hit, RandomKey, Ray};
 use lie_scene::{Geometry, MeshPart, Vertex};
 
-use crate::{Accel, Bvh, Cutout, Occluders, PACKET, RayPacket};
+use crate::{Accel, Bvh, Cutout, PACKET, RayPacket};
 
 /// A soup of small random triangles, with some degenerate, some large and some twice.
 pub(crate) fn soup(count: u32, seed: u64) -> Geometry {
@@ -198,21 +198,6 @@ fn two_builds_give_the_same_blockers() {
     for ray in rays(2000, 13) {
         assert_eq!(one.blocker(&ray), two.blocker(&ray));
     }
-}
-
-#[test]
-fn an_occluder_list_answers_like_its_triangles() {
-    let geometry = soup(200, 14);
-    let ids: Vec<u32> = (0..200).filter(|id| id % 3 == 0).collect();
-    let list = Occluders::gather(&geometry, None, &ids);
-    assert_eq!(list.len(), ids.len());
-    for ray in rays(500, 15) {
-        let expected = ids
-            .iter()
-            .any(|&id| geometry.triangle(id).intersect(&ray).is_some());
-        assert_eq!(list.is_blocked(&ray, None), expected);
-    }
-    assert!(Occluders::gather(&geometry, None, &[999]).is_empty());
 }
 
 #[test]

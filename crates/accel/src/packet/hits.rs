@@ -1,6 +1,6 @@
 use lie_geom::{LaneHit, edge_weights, plane_distance};
 
-use super::{Lanes, PACKET, RayPacket, any};
+use super::{Lanes, PACKET, RayPacket, any, bits};
 
 /// Where the rays of a packet meet one triangle.
 pub(crate) struct PacketHits {
@@ -40,11 +40,11 @@ impl PacketHits {
     /// The rays that hit: bit `i` for ray `i`.
     #[inline(always)]
     pub(crate) fn mask(&self) -> u32 {
-        let mut mask = 0;
+        let mut hit = [false; PACKET];
         for ray in 0..PACKET {
-            mask |= u32::from(self.t[ray] < f32::INFINITY) << ray;
+            hit[ray] = self.t[ray] < f32::INFINITY;
         }
-        mask
+        bits(&hit)
     }
 }
 

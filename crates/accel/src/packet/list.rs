@@ -3,7 +3,7 @@
 use lie_geom::Triangle;
 use multiversion::multiversion;
 
-use super::{PACKET, RayPacket};
+use super::{PACKET, RayPacket, finish};
 use crate::Cutout;
 
 #[multiversion(targets(
@@ -40,10 +40,7 @@ fn any_of<const FAN: bool>(
     indices: &[u32],
     cutout: Option<&dyn Cutout>,
 ) -> u32 {
-    let mut active = 0;
-    for ray in 0..PACKET {
-        active |= u32::from(packet.is_active(ray)) << ray;
-    }
+    let active = packet.active();
     let mut bound = packet.t_max;
     let mut blocked = 0;
     for &index in indices {
@@ -67,11 +64,7 @@ fn any_of<const FAN: bool>(
         if blocked == active {
             break;
         }
-        for ray in 0..PACKET {
-            if hit >> ray & 1 == 1 {
-                bound[ray] = f32::NEG_INFINITY;
-            }
-        }
+        finish(hit, &mut bound);
     }
     blocked
 }

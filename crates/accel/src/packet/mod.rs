@@ -140,6 +140,16 @@ impl RayPacket {
         }
     }
 
+    /// The lanes that look for anything: bit `i` for ray `i`.
+    #[inline(always)]
+    fn active(&self) -> u32 {
+        let mut active = [false; PACKET];
+        for lane in 0..PACKET {
+            active[lane] = self.is_active(lane);
+        }
+        bits(&active)
+    }
+
     /// Whether a lane looks for anything.
     #[inline(always)]
     fn is_active(&self, lane: usize) -> bool {
@@ -197,6 +207,46 @@ fn any(lanes: &[bool; PACKET]) -> bool {
         any |= lane;
     }
     any
+}
+
+/// Bit `i` for lane `i`.
+#[inline(always)]
+fn bits(lanes: &[bool; PACKET]) -> u32 {
+    let mut folded = [0u32; PACKET];
+    for lane in 0..PACKET {
+        folded[lane] = if lanes[lane] { 1 << lane } else { 0 };
+    }
+    let mut width = PACKET;
+    while width > 1 {
+        width /= 2;
+        for lane in 0..width {
+            folded[lane] |= folded[lane + width];
+        }
+    }
+    folded[0]
+}
+
+/// The lanes of a mask.
+#[inline(always)]
+fn lanes(mask: u32) -> [bool; PACKET] {
+    let mut lanes = [false; PACKET];
+    for lane in 0..PACKET {
+        lanes[lane] = mask & (1 << lane) != 0;
+    }
+    lanes
+}
+
+/// Some rays enter and hit nothing more.
+#[inline(always)]
+fn finish(rays: u32, bound: &mut Lanes) {
+    let rays = lanes(rays);
+    for ray in 0..PACKET {
+        bound[ray] = if rays[ray] {
+            f32::NEG_INFINITY
+        } else {
+            bound[ray]
+        };
+    }
 }
 
 /// The smallest of sixteen numbers; undefined ones do not count.

@@ -3,7 +3,9 @@
 use lie_geom::Hit;
 use multiversion::multiversion;
 
-use super::{Lanes, PACKET, RayPacket, bounds::PacketBounds, hits::PacketHits, largest};
+use super::{
+    Lanes, PACKET, RayPacket, bounds::PacketBounds, finish, hits::PacketHits, lanes, largest,
+};
 use crate::{
     Bvh,
     block::TriangleBlock,
@@ -38,11 +40,12 @@ fn closest_kernel(bvh: &Bvh, packet: &RayPacket, stack: &mut Stack) -> [Option<H
     traverse(bvh, packet, stack, |block, lane, hits, bound| {
         let id = block.id(lane);
         let solid = solid(bvh, block, lane, hits);
+        let solid = lanes(solid);
         let mut take = [false; PACKET];
         for ray in 0..PACKET {
             let closer =
                 (hits.t[ray] < best.t[ray]) | ((hits.t[ray] == best.t[ray]) & (id < ids[ray]));
-            take[ray] = closer & (solid >> ray & 1 == 1);
+            take[ray] = closer & solid[ray];
         }
         best.take(&take, hits);
         for ray in 0..PACKET {
@@ -76,7 +79,7 @@ fn blocked_kernel(bvh: &Bvh, packet: &RayPacket, stack: &mut Stack) -> u32 {
     traverse(bvh, packet, stack, |block, lane, hits, bound| {
         let solid = solid(bvh, block, lane, hits);
         blocked |= solid;
-        done(solid, bound);
+        finish(solid, bound);
     });
     blocked
 }
@@ -90,14 +93,11 @@ fn blockers_kernel(bvh: &Bvh, packet: &RayPacket, stack: &mut Stack) -> [Option<
     traverse(bvh, packet, stack, |block, lane, hits, bound| {
         let solid = solid(bvh, block, lane, hits);
         let id = block.id(lane);
+        let rays = lanes(solid);
         for ray in 0..PACKET {
-            blockers[ray] = if solid >> ray & 1 == 1 {
-                id
-            } else {
-                blockers[ray]
-            };
+            blockers[ray] = if rays[ray] { id } else { blockers[ray] };
         }
-        done(solid, bound);
+        finish(solid, bound);
     });
     let mut found = [None; PACKET];
     for ray in 0..PACKET {
@@ -118,18 +118,6 @@ fn solid(bvh: &Bvh, block: &TriangleBlock, lane: usize, hits: &PacketHits) -> u3
         }
     }
     mask
-}
-
-/// Some rays enter and hit nothing more.
-#[inline(always)]
-fn done(rays: u32, bound: &mut Lanes) {
-    for ray in 0..PACKET {
-        bound[ray] = if rays >> ray & 1 == 1 {
-            f32::NEG_INFINITY
-        } else {
-            bound[ray]
-        };
-    }
 }
 
 /// Takes a packet through the tree, nearest box first, and calls `found` with every triangle

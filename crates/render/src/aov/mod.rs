@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 use glam::{UVec2, Vec3};
 use lie_geom::sampling::strata;
-use lie_scene::{Camera, Surface};
+use lie_scene::{Camera, CameraFilm, Surface};
 use rayon::prelude::*;
 
 pub use self::{
@@ -96,7 +96,7 @@ impl Aovs {
         let pass = Pass {
             world,
             lies,
-            camera,
+            film: camera.film(settings.size),
             settings,
             light_strata: strata(settings.light_samples),
         };
@@ -146,7 +146,7 @@ impl Aovs {
 struct Pass<'a> {
     world: &'a World,
     lies: Option<AovLies<'a>>,
-    camera: &'a Camera,
+    film: CameraFilm,
     settings: &'a FrameSettings,
     light_strata: (u32, u32),
 }
@@ -159,7 +159,7 @@ impl Pass<'_> {
         };
         let mut hits = 0;
         for sample in 0..self.settings.samples_per_pixel {
-            let (ray, key) = self.settings.camera_ray(self.camera, pixel, sample);
+            let (ray, key) = self.settings.camera_ray(&self.film, pixel, sample);
             sum.work.primary_rays += 1;
             let Some(surface) = self.world.first_surface(&ray) else {
                 continue;
