@@ -24,7 +24,7 @@ mod triangle;
 
 pub use aabb::Aabb;
 pub use random::RandomKey;
-pub use ray::{Hit, Ray, SHADOW_T_MAX, offset_origin};
+pub use ray::{Hit, OFFSET_ULPS, Ray, SHADOW_T_MAX, offset_origin};
 pub use triangle::{
     EdgeWeights, LaneHit, Triangle, TriangleHit, edge_weights, intersect_lane, plane_distance,
 };

@@ -80,6 +80,9 @@ pub struct Hit {
     pub triangle: u32,
 }
 
+/// By how much [`offset_origin`] moves a point, in terms of coordinates and extent.
+pub const OFFSET_ULPS: f32 = 16.0 * f32::EPSILON / 2.0;
+
 /// Moves a point on a triangle off its plane, the way `towards` points, far enough that
 /// rounding cannot let a ray from there hit the triangle or its coplanar neighbours.
 /// `towards` is the unit normal, or has at least that component along it.
@@ -89,7 +92,6 @@ pub struct Hit {
 /// 20 m. The triangle test's own error is a tenth of that.
 #[must_use]
 pub fn offset_origin(point: Vec3, towards: Vec3, extent: f32) -> Vec3 {
-    const ULPS: f32 = 16.0 * f32::EPSILON / 2.0;
-    let distance = ULPS * (point.abs().max_element() + extent);
+    let distance = OFFSET_ULPS * (point.abs().max_element() + extent);
     point + towards * distance
 }

@@ -8,10 +8,8 @@ use crate::World;
 pub struct LieCell {
     /// Lights that every surface point in the cell sees whole, by number.
     pub unoccluded: Vec<u32>,
-    /// Lights with extent, and directional ones, that some points do not see whole.
+    /// Lights that some points do not see whole.
     pub partial: Vec<LieLight>,
-    /// Points and spots that some points do not see.
-    pub partial_delta: Vec<LieLight>,
     /// Lights whose shadow rays go through the scene, since too little is known of them or
     /// too much is in the way, in rising order.
     pub traced: Vec<u32>,
@@ -48,11 +46,7 @@ impl LieCell {
             }
             let exists = |triangle: &u32| (*triangle as usize) < scene.geometry.len();
             let occluders = occluders.iter().copied().filter(exists).collect();
-            let list = match world.delta_light(light) {
-                Some(_) => &mut cell.partial_delta,
-                None => &mut cell.partial,
-            };
-            list.push(LieLight { light, occluders });
+            cell.partial.push(LieLight { light, occluders });
         }
         cell
     }
@@ -60,17 +54,16 @@ impl LieCell {
     /// Lights that are shaded without asking the scene.
     #[must_use]
     pub fn answered(&self) -> usize {
-        self.unoccluded.len() + self.partial.len() + self.partial_delta.len()
+        self.unoccluded.len() + self.partial.len()
     }
 
     /// Memory in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let lists = self.partial.iter().chain(&self.partial_delta);
+        let lists = self.partial.iter();
         size_of::<Self>()
             + size_of_val(&self.unoccluded[..])
             + size_of_val(&self.partial[..])
-            + size_of_val(&self.partial_delta[..])
             + size_of_val(&self.traced[..])
             + lists
                 .map(|entry| size_of_val(&entry.occluders[..]))

@@ -26,17 +26,19 @@
 //! ```
 
 mod aov;
+mod area_lanes;
 mod brdf;
 mod camera_ray;
 mod cell;
-mod delta_groups;
 mod delta_lanes;
-mod extent_lights;
 mod film;
 mod frame;
 mod image_file;
 mod light_rays;
 mod metrics;
+mod one_by_one;
+mod point_group;
+mod point_lanes;
 mod shadow_queue;
 mod stats;
 mod tile;

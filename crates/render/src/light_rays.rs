@@ -100,7 +100,7 @@ impl LightPoints<'_> {
 }
 
 /// Solid angle in sr that one sample point of a light may stand for before it counts as near.
-const NEAR: f32 = 0.1;
+pub(crate) const NEAR: f32 = 0.1;
 
 impl World {
     /// Calls `found` with the shadow rays to sample points on one light: one to a light
@@ -211,7 +211,7 @@ impl World {
 /// Follow the lobe only to lights of at most so many triangles: each is tested.
 const MAX_LOBE_TRIANGLES: usize = 64;
 
-fn is_simple(light: &AreaLight) -> bool {
+pub(crate) fn is_simple(light: &AreaLight) -> bool {
     light.triangles().len() <= MAX_LOBE_TRIANGLES
 }
 

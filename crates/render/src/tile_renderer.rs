@@ -5,12 +5,13 @@ use std::{
 
 use glam::{UVec2, Vec3};
 use lie_accel::{PACKET, RayPacket};
-use lie_geom::{RandomKey, Ray};
+use lie_geom::{RandomKey, Ray, sampling::strata};
 use lie_scene::{Camera, CameraFilm, RenderSettings, Surface};
 
 use crate::{
-    Brdf, LieCell, LieLookup, RadianceTile, RenderStats, Tile, World, delta_groups::DeltaGroup,
-    extent_lights::ExtentLights,
+    Brdf, LieCell, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
+    one_by_one::OneByOne,
+    point_group::{GroupWork, PointGroup},
 };
 
 /// All that a frame's pixels depend on, beside scene, camera and LIEs.
@@ -76,6 +77,7 @@ pub fn render_tile(
         points: vec![],
         order: vec![],
         groups: vec![],
+        exact: vec![],
         cancelled,
     };
     let mut sums = vec![Vec3::ZERO; (tile.size.x * tile.size.y) as usize];
@@ -114,7 +116,8 @@ struct TileRenderer<'a> {
     /// What a square's camera rays met.
     points: Vec<ShadingPoint<'a>>,
     order: Vec<(usize, u32)>,
-    groups: Vec<DeltaGroup<'a>>,
+    groups: Vec<PointGroup<'a>>,
+    exact: Vec<(usize, LightRay)>,
     cancelled: &'a AtomicBool,
 }
 
@@ -133,6 +136,7 @@ impl TileRenderer<'_> {
     fn square(&mut self, square: Tile) -> Option<Vec<Vec3>> {
         let mut sums = vec![Vec3::ZERO; (square.size.x * square.size.y) as usize];
         let ward = self.settings.ward.filter(|_| self.lies.is_none());
+        let strata = strata(self.settings.light_samples);
         for sample in 0..self.settings.samples_per_pixel {
             if self.cancelled.load(Ordering::Relaxed) {
                 return None;
@@ -141,37 +145,50 @@ impl TileRenderer<'_> {
             self.find_points(square, sample, &mut sums);
             let clock = lap(clock, &mut self.stats.visibility_ns);
             self.find_cells();
-            let mut extent = ExtentLights::new(self.world, self.settings, self.cancelled);
             if ward.is_none() {
-                DeltaGroup::gather(&self.points, &mut self.order, &mut self.groups);
+                PointGroup::gather(&self.points, &mut self.order, &mut self.groups);
             }
-            let (world, stats, groups) = (self.world, &mut self.stats, &self.groups);
+            let one_by_one = OneByOne {
+                world: self.world,
+                points: &self.points,
+                strata,
+                cancelled: self.cancelled,
+            };
+            let mut work = GroupWork {
+                world: self.world,
+                strata,
+                stats: &mut self.stats,
+                sums: &mut sums,
+                exact: &mut self.exact,
+            };
             if self.lies.is_some() {
-                groups
+                self.groups
                     .iter()
-                    .for_each(|group| group.unoccluded(world, &mut sums));
-                extent.unoccluded(&self.points, &mut sums);
+                    .for_each(|group| group.unoccluded(&mut work));
+                one_by_one.unoccluded(work.sums);
             }
-            let clock = lap(clock, &mut stats.unoccluded_ns);
+            let clock = lap(clock, &mut work.stats.unoccluded_ns);
             if self.lies.is_some() {
-                groups
+                self.groups
                     .iter()
-                    .for_each(|group| group.partial(world, stats, &mut sums));
-                extent.partial(&self.points, stats, &mut sums)?;
+                    .for_each(|group| group.partial(&mut work));
+                let (rays, tests) = one_by_one.partial(work.sums);
+                work.stats.list_rays += rays;
+                work.stats.occluder_tests += tests;
             }
-            let clock = lap(clock, &mut stats.partial_ns);
+            let clock = lap(clock, &mut work.stats.partial_ns);
             if let Some(threshold) = ward {
-                extent.ward(threshold, &self.points, stats, &mut sums)?;
+                work.stats.shadow_rays += one_by_one.ward(threshold, work.sums)?;
             } else {
-                for group in groups {
+                for group in &self.groups {
                     if self.cancelled.load(Ordering::Relaxed) {
                         return None;
                     }
-                    group.traced(world, stats, &mut sums);
+                    group.traced(&mut work);
                 }
-                extent.traced(&self.points, stats, &mut sums)?;
+                work.stats.shadow_rays += one_by_one.traced(work.exact, work.sums)?;
             }
-            lap(clock, &mut stats.full_ns);
+            lap(clock, &mut self.stats.full_ns);
         }
         let share = 1.0 / self.settings.samples_per_pixel as f32;
         Some(sums.into_iter().map(|sum| finite(sum * share)).collect())

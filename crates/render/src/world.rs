@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use lie_accel::{Accel, AccelKind, Cutout, PACKET, RayPacket};
 use lie_geom::{Ray, Triangle};
-use lie_scene::{Material, Scene, Surface};
+use lie_scene::{AreaLight, LightKind, Material, Scene, Surface};
 
 use crate::{delta_lanes::DeltaLight, light_rays::follows_lobe};
 
@@ -12,11 +12,21 @@ pub struct World {
     accel: Box<dyn Accel>,
     /// For each light, its form for lanes, if it has one.
     delta_lights: Vec<Option<DeltaLight>>,
-    /// Numbers of the lights that have none.
+    /// Numbers of the lights that have none and no area either.
     other_lights: Vec<u32>,
     has_lobe_lights: bool,
     has_holes: bool,
     reach: f32,
+}
+
+/// A light in the form that shading wants.
+pub(crate) enum LightForm<'a> {
+    /// A point or a spot.
+    Delta(&'a DeltaLight),
+    /// An area light.
+    Area(&'a AreaLight),
+    /// Anything else, or no light at all.
+    Other,
 }
 
 impl World {
@@ -34,9 +44,10 @@ impl World {
         let accel = kind.build(&scene.geometry, cutout);
         let lights = &scene.lights;
         let delta_lights: Vec<_> = lights.iter().map(DeltaLight::new).collect();
-        let has_extent = |light: &u32| delta_lights[*light as usize].is_none();
+        let is_other =
+            |light: &u32| matches!(lights[*light as usize].kind, LightKind::Directional { .. });
         Self {
-            other_lights: (0..lights.len() as u32).filter(has_extent).collect(),
+            other_lights: (0..lights.len() as u32).filter(is_other).collect(),
             delta_lights,
             has_holes,
             has_lobe_lights: lights.iter().any(follows_lobe),
@@ -64,19 +75,22 @@ impl World {
         self.scene.geometry.shapes().get(index as usize)
     }
 
-    /// A light in the form for lanes, if it has one.
-    pub(crate) fn delta_light(&self, light: u32) -> Option<&DeltaLight> {
-        self.delta_lights.get(light as usize)?.as_ref()
+    /// A light in the form that shading wants.
+    #[inline]
+    pub(crate) fn light_form(&self, light: u32) -> LightForm<'_> {
+        match self.delta_lights.get(light as usize) {
+            Some(Some(delta)) => LightForm::Delta(delta),
+            Some(None) => match &self.scene.lights[light as usize].kind {
+                LightKind::Area(area) => LightForm::Area(area),
+                _ => LightForm::Other,
+            },
+            None => LightForm::Other,
+        }
     }
 
-    /// The lights that have no form for lanes, by number.
+    /// The lights that are neither points, spots nor area lights, by number.
     pub(crate) fn other_lights(&self) -> &[u32] {
         &self.other_lights
-    }
-
-    /// All lights in the form for lanes, that have one.
-    pub(crate) fn delta_lights(&self) -> impl Iterator<Item = &DeltaLight> {
-        self.delta_lights.iter().flatten()
     }
 
     /// Whether any light is sampled by where smooth surfaces reflect to.
@@ -103,6 +117,12 @@ impl World {
     pub fn blocked_by_any(&self, triangles: &[u32], packet: &RayPacket) -> u32 {
         let cutout = self.has_holes.then_some(&*self.scene as &dyn Cutout);
         packet.blocked_by_any(self.scene.geometry.shapes(), triangles, cutout)
+    }
+
+    /// Whether any of some triangles blocks a ray, holes considered.
+    #[must_use]
+    pub fn is_blocked_by_any(&self, triangles: &[u32], ray: &Ray) -> bool {
+        self.blocked_by_any(triangles, &RayPacket::new(std::slice::from_ref(ray))) != 0
     }
 
     /// Which of some rays (at most sixteen), given as a packet and one by one, a triangle

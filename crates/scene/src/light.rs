@@ -234,6 +234,13 @@ pub struct LightPoint {
 }
 
 impl LightPoint {
+    /// Longest edge of the triangle or rectangle that it lies on, in metres.
+    #[must_use]
+    #[inline]
+    pub fn extent(&self) -> f32 {
+        self.extent
+    }
+
     /// What `point` sees of the light here: where a shadow ray must end, the direction to
     /// it (unit length), and the density per steradian there, in sr⁻¹, of points that are
     /// uniform over `light`'s area. `None` if it sees the dark side, or is at that very place.

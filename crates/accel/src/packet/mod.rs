@@ -65,19 +65,41 @@ impl RayPacket {
     #[must_use]
     #[inline]
     pub fn fan(apex: [f32; 3], ends: &[[f32; PACKET]; 3], lanes: u32) -> Self {
-        let mut packet = Self::new(&[]);
+        let origin = apex.map(|axis| [axis; PACKET]);
+        let mut packet = Self::between(&origin, ends, [1.0 - SHADOW_T_MAX, 1.0], lanes);
         packet.apex = Some(apex);
+        packet
+    }
+
+    /// The segments between sixteen pairs of places ([`Ray::segment`]). Only the lanes whose
+    /// bits are set hit anything.
+    #[must_use]
+    #[inline]
+    pub fn segments(origin: &[[f32; PACKET]; 3], target: &[[f32; PACKET]; 3], lanes: u32) -> Self {
+        Self::between(origin, target, [0.0, SHADOW_T_MAX], lanes)
+    }
+
+    #[inline]
+    fn between(start: &[Lanes; 3], end: &[Lanes; 3], t: [f32; 2], active: u32) -> Self {
+        let mut packet = Self {
+            origin: *start,
+            direction: [[0.0; PACKET]; 3],
+            t_min: [t[0]; PACKET],
+            t_max: [f32::NEG_INFINITY; PACKET],
+            apex: None,
+        };
         for axis in 0..3 {
-            packet.origin[axis] = [apex[axis]; PACKET];
             for lane in 0..PACKET {
-                packet.direction[axis][lane] = ends[axis][lane] - apex[axis];
+                packet.direction[axis][lane] = end[axis][lane] - start[axis][lane];
             }
         }
-        packet.t_min = [1.0 - SHADOW_T_MAX; PACKET];
+        let active = lanes(active);
         for lane in 0..PACKET {
-            if lanes >> lane & 1 == 1 {
-                packet.t_max[lane] = 1.0;
-            }
+            packet.t_max[lane] = if active[lane] {
+                t[1]
+            } else {
+                f32::NEG_INFINITY
+            };
         }
         packet
     }

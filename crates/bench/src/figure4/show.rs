@@ -68,7 +68,6 @@ fn row_json(row: &CostRow) -> Value {
             "single_evaluations": work.single_evaluations,
             "list_rays": work.list_rays,
             "lane_tests": work.lane_tests,
-            "block_tests": work.block_tests,
             "shadow_rays": work.shadow_rays,
         },
         "measured_ns": {
@@ -88,17 +87,15 @@ pub fn section(rows: &[CostRow], panels: Vec<Panel>) -> Section {
         lane_evaluation_ns,
         single_evaluation_ns,
         lane_test_ns,
-        block_test_ns,
         shadow_ray_ns,
     } = CostModel::default();
     let model = format!(
         "What each pixel costs, as in the paper's Figure 4. The cost is counted, not timed, so \
          that it is the same on every machine: nanoseconds of one thread, of {primary_ray_ns} \
-         for a camera ray, {lane_evaluation_ns} for a point or spot evaluated with sixteen \
-         pixels at a time, {single_evaluation_ns} for any other sample point on a light, \
-         {lane_test_ns} for a ray and a triangle of an occluder list (points and spots), \
-         {block_test_ns} the same for lights with extent, and {shadow_ray_ns} for a shadow ray \
-         through the scene. *Measured* is the time that this machine took for the same frame, \
+         for a camera ray, {lane_evaluation_ns} for a light or sample point on a light evaluated \
+         with sixteen pixels at a time, {single_evaluation_ns} for one evaluated alone, \
+         {lane_test_ns} for a ray and a triangle of an occluder list, and {shadow_ray_ns} for a \
+         shadow ray through the scene. *Measured* is the time that this machine took for the same frame, \
          once, on each thread, by the number of pixels: how far the model can be relied on."
     );
     let pictures = "In the pictures light is in proportion to cost: black is nothing, white is \

@@ -32,11 +32,7 @@ pub(super) fn count_point(
 
 fn count_unoccluded(world: &World, cell: &LieCell, points: &LightPoints<'_>, work: &mut Work) {
     for &light in &cell.unoccluded {
-        if world.delta_light(light).is_some() {
-            work.lane_evaluations += 1;
-            continue;
-        }
-        work.single_evaluations += points.evaluations(world, light);
+        work.lane_evaluations += points.evaluations(world, light);
         world.for_each_light_ray(light, points, |ray| {
             work.shadow_rays += u64::from(ray.exact);
         });
@@ -44,21 +40,14 @@ fn count_unoccluded(world: &World, cell: &LieCell, points: &LightPoints<'_>, wor
 }
 
 fn count_partial(world: &World, cell: &LieCell, points: &LightPoints<'_>, work: &mut Work) {
-    for entry in &cell.partial_delta {
-        work.lane_evaluations += 1;
-        world.for_each_light_ray(entry.light, points, |_| {
-            work.list_rays += 1;
-            work.lane_tests += entry.occluders.len() as u64;
-        });
-    }
     for entry in &cell.partial {
-        work.single_evaluations += points.evaluations(world, entry.light);
+        work.lane_evaluations += points.evaluations(world, entry.light);
         world.for_each_light_ray(entry.light, points, |ray| {
             if ray.exact {
                 work.shadow_rays += 1;
             } else {
                 work.list_rays += 1;
-                work.block_tests += entry.occluders.len() as u64;
+                work.lane_tests += entry.occluders.len() as u64;
             }
         });
     }
@@ -71,7 +60,7 @@ fn count_traced(
     work: &mut Work,
 ) {
     for light in lights {
-        work.single_evaluations += points.evaluations(world, light);
+        work.lane_evaluations += points.evaluations(world, light);
         world.for_each_light_ray(light, points, |_| work.shadow_rays += 1);
     }
 }

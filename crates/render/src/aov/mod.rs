@@ -193,7 +193,7 @@ impl Pass<'_> {
         let seen = cell.answered() + cell.traced.len() + masked;
         CellAov {
             unoccluded: cell.unoccluded.len() as f32,
-            partial: (cell.partial.len() + cell.partial_delta.len()) as f32,
+            partial: cell.partial.len() as f32,
             traced: cell.traced.len() as f32,
             masked: masked as f32,
             hidden: lights.saturating_sub(seen) as f32,

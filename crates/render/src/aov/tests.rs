@@ -93,7 +93,7 @@ fn a_light_less_never_costs_more() {
     let whole = OneCell(mixed_cell(&world));
     let mut part = mixed_cell(&world);
     part.unoccluded.pop();
-    part.partial_delta.pop();
+    part.partial.pop();
     part.traced.pop();
     let part = OneCell(part);
     let model = CostModel::default();

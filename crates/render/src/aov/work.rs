@@ -9,18 +9,15 @@ use crate::RenderStats;
 pub struct Work {
     /// Camera rays.
     pub primary_rays: u64,
-    /// Points and spots that LIEs answer for, at surface points: evaluated sixteen pixels at
-    /// a time.
+    /// Lights and sample points on lights, at surface points: evaluated sixteen pixels at a
+    /// time.
     pub lane_evaluations: u64,
-    /// Sample points on other lights, and every light that is traced: evaluated one by one.
+    /// Those that adaptive shadow testing evaluates one by one.
     pub single_evaluations: u64,
     /// Rays tested against an occluder list.
     pub list_rays: u64,
-    /// Triangles in the lists of points and spots, for each ray: tested sixteen rays at a
-    /// time.
+    /// Triangles in the lists, for each ray: tested sixteen rays at a time.
     pub lane_tests: u64,
-    /// Triangles in the lists of other lights, for each ray: tested eight triangles at a time.
-    pub block_tests: u64,
     /// Shadow rays through the whole scene.
     pub shadow_rays: u64,
 }
@@ -29,7 +26,7 @@ impl Work {
     /// Triangles that rays were tested against one of the lists of.
     #[must_use]
     pub fn occluder_tests(&self) -> u64 {
-        self.lane_tests + self.block_tests
+        self.lane_tests
     }
 
     /// Lights and sample points on lights that were evaluated.
@@ -46,7 +43,6 @@ impl AddAssign for Work {
         self.single_evaluations += other.single_evaluations;
         self.list_rays += other.list_rays;
         self.lane_tests += other.lane_tests;
-        self.block_tests += other.block_tests;
         self.shadow_rays += other.shadow_rays;
     }
 }
@@ -61,14 +57,12 @@ impl AddAssign for Work {
 pub struct CostModel {
     /// For a camera ray: the closest hit, the surface there, and its cell.
     pub primary_ray_ns: f32,
-    /// For one of sixteen points or spots evaluated at a time.
+    /// For one of sixteen evaluated at a time.
     pub lane_evaluation_ns: f32,
     /// For a light's sample point evaluated alone.
     pub single_evaluation_ns: f32,
     /// For one of sixteen rays tested against a triangle at a time.
     pub lane_test_ns: f32,
-    /// For one of eight triangles tested at a time.
-    pub block_test_ns: f32,
     /// For a ray through the whole scene.
     pub shadow_ray_ns: f32,
 }
@@ -76,12 +70,11 @@ pub struct CostModel {
 impl Default for CostModel {
     fn default() -> Self {
         Self {
-            primary_ray_ns: 450.0,
-            lane_evaluation_ns: 15.0,
-            single_evaluation_ns: 20.0,
-            lane_test_ns: 7.0,
-            block_test_ns: 10.0,
-            shadow_ray_ns: 400.0,
+            primary_ray_ns: 220.0,
+            lane_evaluation_ns: 8.0,
+            single_evaluation_ns: 30.0,
+            lane_test_ns: 4.0,
+            shadow_ray_ns: 100.0,
         }
     }
 }
@@ -95,7 +88,6 @@ impl CostModel {
             (work.lane_evaluations, self.lane_evaluation_ns),
             (work.single_evaluations, self.single_evaluation_ns),
             (work.lane_tests, self.lane_test_ns),
-            (work.block_tests, self.block_test_ns),
             (work.shadow_rays, self.shadow_ray_ns),
         ];
         let costs = parts.map(|(count, weight_ns)| count as f64 * f64::from(weight_ns));

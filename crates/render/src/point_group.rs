@@ -1,0 +1,293 @@
+use glam::Vec3;
+use lie_accel::{PACKET, RayPacket};
+use lie_geom::{Ray, sampling};
+use lie_scene::AreaLight;
+
+use crate::{
+    LieCell, LightRay, RenderStats, World,
+    area_lanes::{self, AreaLanes, AreaSampling},
+    delta_lanes::DeltaLight,
+    light_rays::is_simple,
+    point_lanes::{Lanes, PointLanes, RadianceLanes, carrying},
+    tile_renderer::ShadingPoint,
+    world::LightForm,
+};
+
+/// What groups work on.
+pub(crate) struct GroupWork<'a> {
+    pub(crate) world: &'a World,
+    /// Sample points on an area light, as columns and rows.
+    pub(crate) strata: (u32, u32),
+    pub(crate) stats: &'a mut RenderStats,
+    /// Each pixel's light so far.
+    pub(crate) sums: &'a mut [Vec3],
+    /// Rays that must go through the scene whatever the cell says, with their pixels.
+    pub(crate) exact: &'a mut Vec<(usize, LightRay)>,
+}
+
+/// Up to sixteen shading points of one cell, or neighbours where there are no cells.
+pub(crate) struct PointGroup<'a> {
+    cell: Option<&'a LieCell>,
+    points: PointLanes,
+    /// Each lane's pixel.
+    pixels: [usize; PACKET],
+    len: usize,
+}
+
+impl<'a> PointGroup<'a> {
+    /// Groups points. `order` is for its use, and spares an allocation.
+    pub(crate) fn gather(
+        points: &[ShadingPoint<'a>],
+        order: &mut Vec<(usize, u32)>,
+        groups: &mut Vec<Self>,
+    ) {
+        groups.clear();
+        order.clear();
+        let address =
+            |cell: Option<&LieCell>| cell.map_or(0, |cell| std::ptr::from_ref(cell).addr());
+        order.extend(
+            (0..)
+                .zip(points)
+                .map(|(index, point)| (address(point.cell), index)),
+        );
+        // Stable, and each point's light does not depend on who shares its group.
+        if points.iter().any(|point| point.cell.is_some()) {
+            order.sort_unstable();
+        }
+        for run in order.chunk_by(|a, b| a.0 == b.0) {
+            for chunk in run.chunks(PACKET) {
+                let mut group = Self {
+                    cell: points[chunk[0].1 as usize].cell,
+                    points: PointLanes::new(),
+                    pixels: [0; PACKET],
+                    len: chunk.len(),
+                };
+                for (lane, (_, index)) in chunk.iter().enumerate() {
+                    let point = &points[*index as usize];
+                    group
+                        .points
+                        .set(lane, &point.surface, &point.brdf, point.key);
+                    group.pixels[lane] = point.pixel;
+                }
+                groups.push(group);
+            }
+        }
+    }
+
+    /// Unoccluded lights: no rays at all, but for exact ones, which are left to be traced.
+    pub(crate) fn unoccluded(&self, work: &mut GroupWork<'_>) {
+        let Some(cell) = self.cell else { return };
+        let mut total = self.take(work.sums);
+        for &light in &cell.unoccluded {
+            match work.world.light_form(light) {
+                LightForm::Delta(light) => add(&mut total, &light.shade(&self.points), u32::MAX),
+                LightForm::Area(area) => {
+                    self.area_lit(light, area, &mut total, work, |_, _| 0);
+                }
+                LightForm::Other => {}
+            }
+        }
+        self.give(&total, work.sums);
+    }
+
+    /// Partially occluded lights: rays against the occluders alone, but for exact ones.
+    pub(crate) fn partial(&self, work: &mut GroupWork<'_>) {
+        let Some(cell) = self.cell else { return };
+        let world = work.world;
+        let mut total = self.take(work.sums);
+        for entry in &cell.partial {
+            let blocked = |rays: &RayPacket| world.blocked_by_any(&entry.occluders, rays);
+            let rays = match world.light_form(entry.light) {
+                LightForm::Delta(light) => self.delta_lit(light, &mut total, blocked),
+                LightForm::Area(area) => {
+                    let blocked = |sample: &AreaLanes, lit| blocked(&self.segments(sample, lit));
+                    self.area_lit(entry.light, area, &mut total, work, blocked)
+                }
+                LightForm::Other => 0,
+            };
+            work.stats.list_rays += rays;
+            work.stats.occluder_tests += rays * entry.occluders.len() as u64;
+        }
+        self.give(&total, work.sums);
+    }
+
+    /// Lights that too little is known of, or all if there is no cell: rays through the scene.
+    pub(crate) fn traced(&self, work: &mut GroupWork<'_>) {
+        let world = work.world;
+        let mut total = self.take(work.sums);
+        let mut trace = |light: u32| {
+            let blocked = |rays: &RayPacket| world.accel().blocked_packet(rays);
+            work.stats.shadow_rays += match world.light_form(light) {
+                LightForm::Delta(light) => self.delta_lit(light, &mut total, blocked),
+                LightForm::Area(area) => {
+                    self.area_traced(light, area, &mut total, world, work.strata)
+                }
+                LightForm::Other => 0,
+            };
+        };
+        match self.cell {
+            Some(cell) => cell.traced.iter().for_each(|&light| trace(light)),
+            None => (0..world.scene().lights.len() as u32).for_each(trace),
+        }
+        self.give(&total, work.sums);
+    }
+
+    /// Adds a light without extent where `blocked` lets it through. How many rays that took.
+    #[inline]
+    fn delta_lit(
+        &self,
+        light: &DeltaLight,
+        total: &mut RadianceLanes,
+        blocked: impl FnOnce(&RayPacket) -> u32,
+    ) -> u64 {
+        let radiance = light.shade(&self.points);
+        let lit = carrying(&radiance);
+        if lit == 0 {
+            return 0;
+        }
+        let rays = RayPacket::fan(light.position, &self.points.origin, lit);
+        add(total, &radiance, !blocked(&rays));
+        u64::from(lit.count_ones())
+    }
+
+    /// Adds an area light where `blocked` lets it through; exact rays are left to be traced.
+    /// How many rays that took.
+    fn area_lit(
+        &self,
+        index: u32,
+        light: &AreaLight,
+        total: &mut RadianceLanes,
+        work: &mut GroupWork<'_>,
+        mut blocked: impl FnMut(&AreaLanes, u32) -> u32,
+    ) -> u64 {
+        let mut count = 0;
+        self.for_each_sample(index, light, work.strata, |sample, lit| {
+            let exact = bits(&sample.exact) & lit;
+            if exact != 0 {
+                self.leave(index, &sample, exact, work.exact);
+            }
+            let lit = lit & !exact;
+            if lit != 0 {
+                add(total, &sample.radiance, lit & !blocked(&sample, lit));
+                count += u64::from(lit.count_ones());
+            }
+        });
+        count
+    }
+
+    /// Adds an area light, exact rays and all, where the scene lets it through.
+    fn area_traced(
+        &self,
+        index: u32,
+        light: &AreaLight,
+        total: &mut RadianceLanes,
+        world: &World,
+        strata: (u32, u32),
+    ) -> u64 {
+        let mut count = 0;
+        self.for_each_sample(index, light, strata, |sample, lit| {
+            let blocked = world.accel().blocked_packet(&self.segments(&sample, lit));
+            add(total, &sample.radiance, lit & !blocked);
+            count += u64::from(lit.count_ones());
+        });
+        count
+    }
+
+    /// Calls `found` with each sample of an area light, and the lanes it could light.
+    fn for_each_sample(
+        &self,
+        index: u32,
+        light: &AreaLight,
+        strata: (u32, u32),
+        mut found: impl FnMut(AreaLanes, u32),
+    ) {
+        let keys = self.points.keys.map(|key| key.mix(u64::from(index)));
+        let smooth = if is_simple(light) {
+            self.points.smooth
+        } else {
+            0
+        };
+        let lanes = (1 << self.len) - 1;
+        let count = strata.0 * strata.1;
+        for (lanes, by_lobe) in [(lanes & !smooth, 0), (lanes & smooth, count / 2)] {
+            if lanes == 0 {
+                continue;
+            }
+            let by_area = count - by_lobe;
+            let sampling = AreaSampling {
+                strata: sampling::strata(by_area),
+                by_area,
+                by_lobe,
+            };
+            for number in 0..by_area {
+                let sample = area_lanes::sample(&self.points, light, &keys, sampling, number);
+                let lit = carrying(&sample.radiance) & lanes;
+                if lit != 0 {
+                    found(sample, lit);
+                }
+            }
+        }
+    }
+
+    fn segments(&self, sample: &AreaLanes, lanes: u32) -> RayPacket {
+        RayPacket::segments(&self.points.origin, &sample.target, lanes)
+    }
+
+    /// Leaves some lanes' rays to be traced later.
+    fn leave(
+        &self,
+        light: u32,
+        sample: &AreaLanes,
+        lanes: u32,
+        exact: &mut Vec<(usize, LightRay)>,
+    ) {
+        let at =
+            |axes: &[Lanes; 3], lane: usize| Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]);
+        for lane in (0..self.len).filter(|lane| lanes >> lane & 1 == 1) {
+            let ray = LightRay {
+                light,
+                ray: Ray::segment(at(&self.points.origin, lane), at(&sample.target, lane)),
+                radiance: at(&sample.radiance, lane),
+                exact: true,
+                from_light: false,
+            };
+            exact.push((self.pixels[lane], ray));
+        }
+    }
+
+    /// The pixels' sums so far.
+    fn take(&self, sums: &[Vec3]) -> RadianceLanes {
+        let mut total = [[0.0; PACKET]; 3];
+        for (lane, &pixel) in self.pixels[..self.len].iter().enumerate() {
+            for channel in 0..3 {
+                total[channel][lane] = sums[pixel][channel];
+            }
+        }
+        total
+    }
+
+    fn give(&self, total: &RadianceLanes, sums: &mut [Vec3]) {
+        for (lane, &pixel) in self.pixels[..self.len].iter().enumerate() {
+            sums[pixel] = Vec3::new(total[0][lane], total[1][lane], total[2][lane]);
+        }
+    }
+}
+
+/// Adds in the lanes whose bits are set.
+fn add(total: &mut RadianceLanes, radiance: &RadianceLanes, lanes: u32) {
+    for channel in 0..3 {
+        for lane in 0..PACKET {
+            let given = lanes & (1 << lane) != 0;
+            total[channel][lane] += if given { radiance[channel][lane] } else { 0.0 };
+        }
+    }
+}
+
+/// Bit `i` for lane `i`.
+fn bits(lanes: &[bool; PACKET]) -> u32 {
+    let mut bits = 0;
+    for lane in 0..PACKET {
+        bits |= u32::from(lanes[lane]) << lane;
+    }
+    bits
+}
