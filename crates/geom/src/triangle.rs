@@ -179,18 +179,33 @@ impl EdgeWeights {
 /// edge.
 #[must_use]
 #[inline(always)]
-pub fn edge_weights(
-    [a, b, c]: [[f32; 3]; 3],
-    origin: [f32; 3],
-    direction: [f32; 3],
-) -> EdgeWeights {
+pub fn edge_weights(corners: [[f32; 3]; 3], origin: [f32; 3], direction: [f32; 3]) -> EdgeWeights {
+    weights_of(edge_planes(corners, origin), direction)
+}
+
+/// Of the planes through an origin and each edge of a triangle, the one opposite to each
+/// vertex: what the edge functions have in common for all rays from there. Not normalised.
+#[must_use]
+#[inline(always)]
+pub fn edge_planes([a, b, c]: [[f32; 3]; 3], origin: [f32; 3]) -> [[f32; 3]; 3] {
     let v0 = subtract(a, origin);
     let v1 = subtract(b, origin);
     let v2 = subtract(c, origin);
+    [
+        cross(subtract(v1, v2), add(v1, v2)),
+        cross(subtract(v2, v0), add(v2, v0)),
+        cross(subtract(v0, v1), add(v0, v1)),
+    ]
+}
+
+/// [`edge_weights`] of a ray from where [`edge_planes`] start.
+#[must_use]
+#[inline(always)]
+pub fn weights_of([a, b, c]: [[f32; 3]; 3], direction: [f32; 3]) -> EdgeWeights {
     EdgeWeights {
-        b: dot(cross(subtract(v2, v0), add(v2, v0)), direction),
-        c: dot(cross(subtract(v0, v1), add(v0, v1)), direction),
-        a: dot(cross(subtract(v1, v2), add(v1, v2)), direction),
+        a: dot(a, direction),
+        b: dot(b, direction),
+        c: dot(c, direction),
     }
 }
 
@@ -204,7 +219,14 @@ pub fn plane_distance(
     origin: [f32; 3],
     direction: [f32; 3],
 ) -> f32 {
-    dot(subtract(corner, origin), normal) / dot(normal, direction)
+    plane_offset(corner, normal, origin) / dot(normal, direction)
+}
+
+/// How far a plane through `corner` is from an origin, along its normal.
+#[must_use]
+#[inline(always)]
+pub fn plane_offset(corner: [f32; 3], normal: [f32; 3], origin: [f32; 3]) -> f32 {
+    dot(subtract(corner, origin), normal)
 }
 
 #[inline(always)]

@@ -1,5 +1,6 @@
 use glam::Vec3;
 use lie_geom::{Hit, Ray, offset_origin};
+use multiversion::multiversion;
 
 use crate::{AlphaMode, Material, Scene};
 
@@ -31,10 +32,24 @@ pub struct Surface {
     pub roughness: f32,
 }
 
+/// Rounding, square roots and interpolation are single instructions with wider vectors.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+fn surface(scene: &Scene, ray: &Ray, hit: &Hit) -> Surface {
+    scene.surface_at(ray, hit)
+}
+
 impl Scene {
     /// The surface at a hit of `ray`.
     #[must_use]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        surface(self, ray, hit)
+    }
+
+    #[inline(always)]
+    fn surface_at(&self, ray: &Ray, hit: &Hit) -> Surface {
         let corners = self.geometry.corners(hit.triangle);
         let shape = self.geometry.triangle(hit.triangle);
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];

@@ -99,6 +99,7 @@ impl Texture {
     /// The bilinearly filtered texel at texture coordinates, decoded to linear; alpha is
     /// linear as it is. Coordinates repeat; undefined ones read the first texel.
     #[must_use]
+    #[inline(always)]
     pub fn sample(&self, uv: Vec2) -> Vec4 {
         let size = Vec2::new(self.width as f32, self.height as f32);
         let wrapped = uv - uv.floor();

@@ -1,4 +1,4 @@
-use lie_geom::{LaneHit, edge_weights, plane_distance};
+use lie_geom::{EdgeWeights, LaneHit, edge_weights, plane_distance, weights_of};
 
 use super::{Lanes, PACKET, RayPacket, any, bits};
 
@@ -60,16 +60,31 @@ impl RayPacket {
         (corners, normal): ([[f32; 3]; 3], [f32; 3]),
         bound: &Lanes,
     ) -> Option<PacketHits> {
+        let apex = self.apex.unwrap_or_default();
+        let start = |ray: usize| self.start::<FAN>(apex, ray);
+        self.test(
+            bound,
+            |ray| edge_weights(corners, start(ray), self.way(ray)),
+            |ray| plane_distance(corners[0], normal, start(ray), self.way(ray)),
+        )
+    }
+
+    #[inline(always)]
+    fn test(
+        &self,
+        bound: &Lanes,
+        weights: impl Fn(usize) -> EdgeWeights,
+        distance: impl Fn(usize) -> f32,
+    ) -> Option<PacketHits> {
         let mut hits = PacketHits {
             t: [f32::INFINITY; PACKET],
             weight_b: [0.0; PACKET],
             weight_c: [0.0; PACKET],
             sum: [0.0; PACKET],
         };
-        let apex = self.apex.unwrap_or_default();
         let mut inside = [false; PACKET];
         for ray in 0..PACKET {
-            let weights = edge_weights(corners, self.start::<FAN>(apex, ray), self.way(ray));
+            let weights = weights(ray);
             inside[ray] = weights.inside() & (bound[ray] > f32::NEG_INFINITY);
             hits.weight_b[ray] = weights.b;
             hits.weight_c[ray] = weights.c;
@@ -80,16 +95,28 @@ impl RayPacket {
         }
         let mut hit = [false; PACKET];
         for ray in 0..PACKET {
-            let t = plane_distance(
-                corners[0],
-                normal,
-                self.start::<FAN>(apex, ray),
-                self.way(ray),
-            );
+            let t = distance(ray);
             hit[ray] = inside[ray] & (t > self.t_min[ray]) & (t < bound[ray]);
             hits.t[ray] = if hit[ray] { t } else { f32::INFINITY };
         }
         any(&hit).then_some(hits)
+    }
+
+    /// All rays, which start at one apex, against a triangle of which is known what they have
+    /// in common: the planes through its edges, its normal and its plane's offset.
+    #[inline(always)]
+    pub(crate) fn intersect_from(
+        &self,
+        edges: [[f32; 3]; 3],
+        normal: [f32; 3],
+        offset: f32,
+        bound: &Lanes,
+    ) -> Option<PacketHits> {
+        self.test(
+            bound,
+            |ray| weights_of(edges, self.way(ray)),
+            |ray| offset / dot(normal, self.way(ray)),
+        )
     }
 
     #[inline(always)]
@@ -111,4 +138,9 @@ fn blend(values: &mut Lanes, lanes: &[bool; PACKET], news: &Lanes) {
             values[lane]
         };
     }
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
