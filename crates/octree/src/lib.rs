@@ -18,7 +18,7 @@
 //! use lie_octree::{LieSettings, LieTree, Observation, Outcome};
 //!
 //! let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
-//! let mut tree = LieTree::new(bounds, LieSettings::default());
+//! let mut tree = LieTree::new(bounds, 10, LieSettings::default());
 //! // From one point light 3 was seen, from another triangle 7 was in the way.
 //! let observations = [(0.5, None), (-0.5, Some(7))].map(|(y, blocker)| Observation {
 //!     outcomes: vec![Outcome { blocker, importance: 1.0, ..Outcome::of(3) }],

@@ -7,6 +7,9 @@ use crate::{LieSettings, LieState, LitLight, Observation, Outcome, masking::Show
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lie {
     samples: u32,
+    /// Samples that lights without evidence carried nothing to, those included that speak
+    /// for the whole that this is a part of.
+    dark: u32,
     lights: Vec<LightEvidence>,
     /// What its own samples show of all lights together.
     pub(crate) shown: Shown,
@@ -23,7 +26,8 @@ pub struct LightEvidence {
     pub clear: u32,
     /// Rays that did not.
     pub blocked: u32,
-    /// Rays that agreed with what was known, since one last added to it.
+    /// Rays that agreed with what was known, since one last added to it, and samples that it
+    /// could carry nothing to.
     pub agreed: u32,
     /// Largest [`Outcome::importance`] so far.
     pub importance: f32,
@@ -68,6 +72,13 @@ pub enum Standing<'a> {
 /// worth more than the next ray.
 const PER_SAMPLE: u32 = 2;
 
+/// What a light that was never seen to carry anything to a cell counts as, where it might:
+/// nobody knows how much of a pixel's light it would give.
+const UNSEEN: f32 = 0.25;
+
+/// A plane through a cell leaves a surface in one of its parts about so much of its samples.
+const QUARTER: u32 = 4;
+
 impl Lie {
     /// A cell that was never sampled.
     pub(crate) fn empty(version: u64) -> Self {
@@ -82,6 +93,7 @@ impl Lie {
     pub(crate) fn part(&self, version: u64) -> Self {
         Self {
             samples: 0,
+            dark: self.dark / QUARTER,
             lights: self.lights.iter().map(LightEvidence::part).collect(),
             shown: Shown::default(),
             version,
@@ -96,7 +108,13 @@ impl Lie {
 
     /// Whether nothing is known of it.
     pub(crate) fn is_blank(&self) -> bool {
-        self.lights.is_empty()
+        self.lights.is_empty() && self.dark == 0
+    }
+
+    /// Whether lights that it has no evidence of are known to give it nothing: they shine
+    /// elsewhere, or its surfaces face away.
+    fn is_dark_known(&self, trust: u32) -> bool {
+        self.dark as f32 >= trust as f32 * UNSEEN
     }
 
     /// The lights that reach the cell, in order of their number.
@@ -113,10 +131,7 @@ impl Lie {
     /// What is known of a light, seen or hidden.
     #[must_use]
     pub fn evidence(&self, light: u32) -> Option<&LightEvidence> {
-        let place = self
-            .lights
-            .binary_search_by_key(&light, |entry| entry.light);
-        place.ok().map(|index| &self.lights[index])
+        self.place(light).ok().map(|index| &self.lights[index])
     }
 
     /// What shaders make of a light, masking left aside, if `trust` rays must agree on one
@@ -128,7 +143,7 @@ impl Lie {
             Some(entry) if entry.crowded => Standing::Crowded,
             Some(entry) if !entry.is_trusted(trust) => Standing::Doubtful,
             Some(entry) if entry.is_lit() => Standing::Lit(entry),
-            None if trust > 0 => Standing::Doubtful,
+            None if !self.is_dark_known(trust) => Standing::Doubtful,
             _ => Standing::Hidden,
         }
     }
@@ -160,8 +175,10 @@ impl Lie {
     ) {
         for seen in samples.clone() {
             self.samples = self.samples.saturating_add(1);
+            self.dark = self.dark.saturating_add(1);
             self.shown.record(seen);
         }
+        self.record_dark(samples.clone());
         let outcomes = samples.flat_map(|seen| &seen.outcomes);
         for outcome in outcomes.clone() {
             if outcome.blocker.is_none() {
@@ -180,6 +197,31 @@ impl Lie {
         self.mask(settings);
     }
 
+    /// Samples that a light carries nothing to are right whatever is known of it: they agree.
+    /// Whatever the others teach comes after.
+    fn record_dark<'a>(&mut self, samples: impl Iterator<Item = &'a Observation>) {
+        let mut carried = vec![0u32; self.lights.len()];
+        let mut all = 0;
+        for seen in samples {
+            all += 1;
+            // Light by light, so those of one follow each other.
+            for outcomes in seen.outcomes.chunk_by(|a, b| a.light == b.light) {
+                if let Ok(place) = self.place(outcomes[0].light) {
+                    carried[place] += 1;
+                }
+            }
+        }
+        for (entry, carried) in self.lights.iter_mut().zip(carried) {
+            entry.agreed = entry.agreed.saturating_add(all - carried.min(all));
+        }
+    }
+
+    /// Where a light's evidence is, or would be.
+    fn place(&self, light: u32) -> Result<usize, usize> {
+        self.lights
+            .binary_search_by_key(&light, |entry| entry.light)
+    }
+
     /// Decides anew which lights the others mask.
     pub(crate) fn mask(&mut self, settings: &LieSettings) {
         self.shown.mask(&mut self.lights, settings);
@@ -187,10 +229,7 @@ impl Lie {
 
     /// The entry that an outcome belongs to, made first if there is none.
     fn entry(&mut self, outcome: &Outcome) -> &mut LightEvidence {
-        let place = self
-            .lights
-            .binary_search_by_key(&outcome.light, |entry| entry.light);
-        let index = place.unwrap_or_else(|index| {
+        let index = self.place(outcome.light).unwrap_or_else(|index| {
             self.lights.insert(index, LightEvidence::new(outcome.light));
             index
         });
@@ -200,9 +239,9 @@ impl Lie {
         entry
     }
 
-    /// What shaders see of the cell.
+    /// What shaders see of the cell, in a scene of so many lights.
     #[must_use]
-    pub(crate) fn state(&self, trust: u32) -> LieState {
+    pub(crate) fn state(&self, trust: u32, lights: u32) -> LieState {
         let trusted = |entry: &&LightEvidence| entry.is_trusted(trust);
         LieState {
             lights: self
@@ -217,14 +256,23 @@ impl Lie {
                 .map(|entry| entry.light)
                 .collect(),
             // Without doubt, every light that is not lit is hidden: no need to name it.
-            hidden: self
-                .lights
-                .iter()
-                .filter(|entry| trust > 0 && (entry.masked || !entry.is_lit()))
-                .filter(trusted)
-                .map(|entry| entry.light)
-                .collect(),
+            hidden: if trust > 0 {
+                self.left_out(trust, lights)
+            } else {
+                vec![]
+            },
         }
+    }
+
+    /// The lights that are known to give the cell nothing, or are masked.
+    fn left_out(&self, trust: u32, lights: u32) -> Vec<u32> {
+        let is_dark_known = self.is_dark_known(trust);
+        let mut rest = self.lights.iter().peekable();
+        let is_left_out = |light: &u32| match rest.next_if(|entry| entry.light == *light) {
+            Some(entry) => (entry.masked || !entry.is_lit()) && entry.is_trusted(trust),
+            None => is_dark_known,
+        };
+        (0..lights).filter(is_left_out).collect()
     }
 
     /// Heap memory in bytes.
@@ -263,7 +311,7 @@ impl LightEvidence {
         Self {
             clear: 0,
             blocked: 0,
-            agreed: self.agreed / 4,
+            agreed: self.agreed / QUARTER,
             most: 0.0,
             masked: false,
             inherited: self.is_lit(),
@@ -439,9 +487,9 @@ mod tests {
         record(&mut lie, &[(0, SEEN), (1, Some(7))]);
         assert_eq!(standing(&lie, 0, 2), "lit");
         assert_eq!(standing(&lie, 1, 2), "hidden");
-        assert_eq!(standing(&lie, 9, 2), "doubtful");
+        assert_eq!(standing(&lie, 9, 12), "doubtful");
         assert_eq!(standing(&lie, 9, 0), "hidden");
-        let known = lie.state(2);
+        let known = lie.state(2, 2);
         assert_eq!((known.lights.len(), &known.hidden[..]), (1, &[1][..]));
         record(&mut lie, &[(0, Some(3)), (1, SEEN)]);
         assert_eq!(standing(&lie, 0, 2), "doubtful", "a new occluder");
@@ -451,6 +499,37 @@ mod tests {
             "it is not hidden after all"
         );
         assert_eq!(lie.hidden().count(), 0);
+    }
+
+    #[test]
+    fn a_light_that_carries_nothing_to_any_sample_is_left_out_until_it_does() {
+        let mut lie = Lie::default();
+        for _ in 0..15 {
+            record(&mut lie, &[(1, SEEN)]);
+        }
+        assert_eq!(standing(&lie, 3, 64), "doubtful");
+        record(&mut lie, &[(1, SEEN)]);
+        assert_eq!(standing(&lie, 3, 64), "hidden");
+        assert_eq!(lie.state(64, 5).hidden, [0, 2, 3, 4]);
+        assert_eq!(lie.part(1).state(16, 5).hidden, [0, 2, 3, 4]);
+        record(&mut lie, &[(3, SEEN)]);
+        assert_eq!(standing(&lie, 3, 64), "doubtful");
+        assert_eq!(lie.state(64, 5).hidden, [0, 2, 4]);
+    }
+
+    #[test]
+    fn a_sample_that_a_light_carries_nothing_to_agrees() {
+        let mut lie = Lie::default();
+        record(&mut lie, &[(0, SEEN), (1, Some(7))]);
+        record(&mut lie, &[]);
+        assert_eq!(standing(&lie, 0, 2), "lit");
+        assert_eq!(standing(&lie, 1, 2), "hidden");
+        record(&mut lie, &[(0, Some(3)), (1, SEEN)]);
+        assert_eq!(standing(&lie, 0, 2), "doubtful");
+        record(&mut lie, &[]);
+        assert_eq!(standing(&lie, 0, 2), "doubtful");
+        record(&mut lie, &[]);
+        assert_eq!(standing(&lie, 0, 2), "lit");
     }
 
     #[test]
@@ -479,7 +558,7 @@ mod tests {
         record(&mut lie, &[(0, Some(3))]);
         assert_eq!(standing(&lie, 0, 0), "crowded");
         assert_eq!((lie.listed(), lie.complexity(3)), (0, 4));
-        let state = lie.state(0);
+        let state = lie.state(0, 10);
         assert_eq!((&state.crowded[..], state.lights.len()), (&[0][..], 0));
     }
 
@@ -489,10 +568,10 @@ mod tests {
         record(&mut whole, &[(0, SEEN), (1, SEEN), (2, Some(5))]);
         record(&mut whole, &[(0, Some(7)), (0, Some(8))]);
         let mut part = whole.part(1);
-        assert_eq!(part.state(0), whole.state(0));
+        assert_eq!(part.state(0, 10), whole.state(0, 10));
         assert_eq!((part.samples(), part.complexity(3)), (0, 0));
         for _ in 0..LightEvidence::SETTLED {
-            assert_eq!(part.state(0), whole.state(0));
+            assert_eq!(part.state(0, 10), whole.state(0, 10));
             record(&mut part, &[(0, Some(8)), (2, Some(5))]);
         }
         // Light 0 was never seen from the part; of light 1 nothing new is known.

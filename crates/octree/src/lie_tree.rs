@@ -72,15 +72,18 @@ pub struct LieStats {
 pub struct LieTree {
     tree: Octree<Lie>,
     settings: LieSettings,
+    /// Lights of the scene.
+    lights: u32,
     version: u64,
     changed: BTreeSet<CellKey>,
     samples: u64,
 }
 
 impl LieTree {
-    /// An empty tree over the scene's bounds. Settings are clamped to what is possible.
+    /// An empty tree over the bounds of a scene with so many lights. Settings are clamped to
+    /// what is possible.
     #[must_use]
-    pub fn new(bounds: Aabb, settings: LieSettings) -> Self {
+    pub fn new(bounds: Aabb, lights: u32, settings: LieSettings) -> Self {
         Self {
             tree: Octree::new(Cube::around(bounds), Lie::default()),
             settings: LieSettings {
@@ -88,6 +91,7 @@ impl LieTree {
                 masking: settings.masking.clamp(0.0, 1.0),
                 ..settings
             },
+            lights,
             version: 0,
             changed: BTreeSet::new(),
             samples: 0,
@@ -163,13 +167,13 @@ impl LieTree {
 
     /// Takes in observations from one leaf.
     fn record_in(&mut self, key: CellKey, group: &[(CellKey, &Observation)]) {
-        let (settings, version) = (self.settings, self.version);
+        let (settings, lights, version) = (self.settings, self.lights, self.version);
         let Some(lie) = self.tree.leaf_mut(key) else {
             return;
         };
         let before = lie.clone();
         lie.record(group.iter().map(|(_, seen)| *seen), &settings);
-        if before.state(settings.trust) != lie.state(settings.trust) {
+        if before.state(settings.trust, lights) != lie.state(settings.trust, lights) {
             lie.version = version + 1;
             self.changed.insert(key);
         }
@@ -218,7 +222,7 @@ impl LieTree {
             Cell::Leaf(lie) => CellState {
                 key,
                 version: lie.version,
-                body: CellBody::Leaf(lie.state(self.settings.trust)),
+                body: CellBody::Leaf(lie.state(self.settings.trust, self.lights)),
             },
         })
     }

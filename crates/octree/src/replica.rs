@@ -36,7 +36,8 @@ pub struct LieState {
     /// The lights that reach the cell, in order of their number. One without occluders is
     /// unoccluded.
     pub lights: Vec<LitLight>,
-    /// The lights that are fully occluded or masked, in order of their number.
+    /// The lights that are fully occluded, carry nothing or are masked, in order of their
+    /// number.
     pub hidden: Vec<u32>,
     /// The lights that reach the cell past so much that their shadow rays go through the
     /// scene, in order of their number.
@@ -103,6 +104,12 @@ impl<T> Replica<T> {
     #[inline]
     pub fn leaf_at(&self, point: Vec3) -> &T {
         &self.tree.leaf_at(point).value
+    }
+
+    /// The cube that it divides.
+    #[must_use]
+    pub fn cube(&self) -> Cube {
+        self.tree.cube()
     }
 
     /// The smallest cell around a point.

@@ -69,7 +69,7 @@ proptest! {
         samples in prop::collection::vec(six_lights(), 1..200), batch in 1usize..50,
         masking in 0.0f32..1.0, trust in prop::sample::select(vec![0u32, 16, 512]),
     ) {
-        let mut tree = LieTree::new(BOUNDS, one_cell(masking, trust));
+        let mut tree = LieTree::new(BOUNDS, 6, one_cell(masking, trust));
         let mut known = 0;
         for batch in samples.chunks(batch) {
             tree.record(batch);
@@ -104,7 +104,7 @@ proptest! {
             masking,
             ..LieSettings::default()
         };
-        let mut tree = LieTree::new(BOUNDS, settings);
+        let mut tree = LieTree::new(BOUNDS, 6, settings);
         for batch in samples.chunks(batch) {
             tree.record(batch);
             prop_assert_eq!(tree.validate(), Ok(()));
@@ -124,7 +124,7 @@ fn bright_and_faint(count: usize) -> Vec<Observation> {
 
 /// A tree that has masked both faint lights.
 fn taught(trust: u32) -> LieTree {
-    let mut tree = LieTree::new(BOUNDS, one_cell(0.02, trust));
+    let mut tree = LieTree::new(BOUNDS, 3, one_cell(0.02, trust));
     tree.record(&bright_and_faint(300));
     assert_eq!(masked(&tree), [1, 2]);
     tree
@@ -145,14 +145,14 @@ fn masked_lights_are_told_to_be_hidden() {
     assert_eq!(told(&taught(512)), (vec![0], vec![1, 2]));
     // As in the paper: what is not named is hidden.
     assert_eq!(told(&taught(0)), (vec![0], vec![]));
-    let mut off = LieTree::new(BOUNDS, one_cell(0.0, 512));
+    let mut off = LieTree::new(BOUNDS, 3, one_cell(0.0, 512));
     off.record(&bright_and_faint(300));
     assert_eq!(told(&off), (vec![0, 1, 2], vec![]));
 }
 
 #[test]
 fn the_faintest_go_first() {
-    let mut tree = LieTree::new(BOUNDS, one_cell(0.016, 512));
+    let mut tree = LieTree::new(BOUNDS, 6, one_cell(0.016, 512));
     tree.record(&bright_and_faint(300));
     assert_eq!(masked(&tree), [2]);
 }
@@ -160,7 +160,7 @@ fn the_faintest_go_first() {
 #[test]
 fn few_samples_mask_nothing() {
     for trust in [0, 512] {
-        let mut tree = LieTree::new(BOUNDS, one_cell(1.0, trust));
+        let mut tree = LieTree::new(BOUNDS, 6, one_cell(1.0, trust));
         tree.record(&bright_and_faint(15));
         assert!(masked(&tree).is_empty());
     }
@@ -204,7 +204,7 @@ fn parts_of_a_cell_start_unmasked() {
         split_samples: 1,
         ..one_cell(0.02, 512)
     };
-    let mut tree = LieTree::new(BOUNDS, settings);
+    let mut tree = LieTree::new(BOUNDS, 6, settings);
     tree.record(&bright_and_faint(300));
     assert_eq!(masked(&tree), [1, 2]);
     let blocked = |triangle| Outcome {
@@ -235,8 +235,8 @@ proptest! {
             masking,
             ..LieSettings::default()
         };
-        let mut with = LieTree::new(BOUNDS, settings(masking));
-        let mut without = LieTree::new(BOUNDS, settings(before));
+        let mut with = LieTree::new(BOUNDS, 6, settings(masking));
+        let mut without = LieTree::new(BOUNDS, 6, settings(before));
         for batch in samples.chunks(batch) {
             with.record(batch);
             without.record(batch);
