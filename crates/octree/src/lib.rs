@@ -39,7 +39,7 @@ mod replica;
 mod tree;
 
 pub use key::CellKey;
-pub use lie::{Lie, LightEvidence, Occluder, Standing};
+pub use lie::{Lie, LightEvidence, Mask, Occluder, Standing};
 pub use lie_tree::{LieSettings, LieStats, LieTree};
 pub use observe::{GROUP, Observation, Outcome, ShadowRay, Visibility};
 pub use observer::Observer;

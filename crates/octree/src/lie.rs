@@ -38,11 +38,23 @@ pub struct LightEvidence {
     pub crowded: bool,
     /// Largest luminance that it may have given any of the cell's own samples.
     pub most: f32,
-    /// Whether other lights outshine it so much that shaders leave it out (LIE §5).
-    pub masked: bool,
+    /// Largest luminance that it was kept from giving any of them.
+    pub withheld: f32,
+    /// What shaders make of it, if other lights outshine it so much that its shadows are not
+    /// seen (LIE §5).
+    pub mask: Option<Mask>,
     /// The triangles that came in between, in the order of their discovery. Of a hidden
     /// light, some of them; of a crowded one, none.
     pub occluders: Vec<Occluder>,
+}
+
+/// How a light is shaded whose shadows nobody sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mask {
+    /// Not at all, as if it were hidden everywhere.
+    LeftOut,
+    /// As if nothing were in its way.
+    Whole,
 }
 
 /// A triangle that blocks a light somewhere in a cell.
@@ -179,6 +191,7 @@ impl Lie {
             self.shown.record(seen);
         }
         self.record_dark(samples.clone());
+        let lights = samples.clone().flat_map(by_light);
         let outcomes = samples.flat_map(|seen| &seen.outcomes);
         for outcome in outcomes.clone() {
             if outcome.blocker.is_none() {
@@ -189,6 +202,12 @@ impl Lie {
             if let Some(triangle) = outcome.blocker {
                 let rays = outcome.rays.min(PER_SAMPLE);
                 self.entry(outcome).block(triangle, rays, settings.crowd);
+            }
+        }
+        for outcomes in lights {
+            // All of them have entries by now.
+            if let Ok(place) = self.place(outcomes[0].light) {
+                self.lights[place].weigh(outcomes);
             }
         }
         for entry in &mut self.lights {
@@ -204,8 +223,7 @@ impl Lie {
         let mut all = 0;
         for seen in samples {
             all += 1;
-            // Light by light, so those of one follow each other.
-            for outcomes in seen.outcomes.chunk_by(|a, b| a.light == b.light) {
+            for outcomes in by_light(seen) {
                 if let Ok(place) = self.place(outcomes[0].light) {
                     carried[place] += 1;
                 }
@@ -235,7 +253,6 @@ impl Lie {
         });
         let entry = &mut self.lights[index];
         entry.importance = entry.importance.max(outcome.importance);
-        entry.most = entry.most.max(outcome.luminance + outcome.beside);
         entry
     }
 
@@ -246,7 +263,7 @@ impl Lie {
         LieState {
             lights: self
                 .lights()
-                .filter(|entry| !entry.crowded && !entry.masked)
+                .filter(|entry| !entry.crowded && entry.mask != Some(Mask::LeftOut))
                 .filter(trusted)
                 .map(LightEvidence::to_lit)
                 .collect(),
@@ -269,7 +286,10 @@ impl Lie {
         let is_dark_known = self.is_dark_known(trust);
         let mut rest = self.lights.iter().peekable();
         let is_left_out = |light: &u32| match rest.next_if(|entry| entry.light == *light) {
-            Some(entry) => (entry.masked || !entry.is_lit()) && entry.is_trusted(trust),
+            Some(entry) => {
+                let is_left_out = entry.mask == Some(Mask::LeftOut) || !entry.is_lit();
+                is_left_out && entry.is_trusted(trust)
+            }
             None => is_dark_known,
         };
         (0..lights).filter(is_left_out).collect()
@@ -280,6 +300,12 @@ impl Lie {
         let occluders: usize = self.lights.iter().map(|entry| entry.occluders.len()).sum();
         size_of_val(&self.lights[..]) + occluders * size_of::<Occluder>()
     }
+}
+
+/// What a sample saw, light by light.
+fn by_light(seen: &Observation) -> impl Iterator<Item = &[Outcome]> {
+    // They were observed in that order.
+    seen.outcomes.chunk_by(|a, b| a.light == b.light)
 }
 
 impl LightEvidence {
@@ -296,7 +322,8 @@ impl LightEvidence {
             inherited: false,
             crowded: false,
             most: 0.0,
-            masked: false,
+            withheld: 0.0,
+            mask: None,
             occluders: vec![],
         }
     }
@@ -313,7 +340,8 @@ impl LightEvidence {
             blocked: 0,
             agreed: self.agreed / QUARTER,
             most: 0.0,
-            masked: false,
+            withheld: 0.0,
+            mask: None,
             inherited: self.is_lit(),
             occluders: self.occluders.iter().map(inherited).collect(),
             ..*self
@@ -389,14 +417,23 @@ impl LightEvidence {
         }
     }
 
+    /// Takes in what a sample had of it, and what it was kept from having.
+    fn weigh(&mut self, outcomes: &[Outcome]) {
+        let given: f32 = outcomes.iter().map(|outcome| outcome.luminance).sum();
+        let beside = outcomes.iter().map(|outcome| outcome.beside);
+        self.most = self.most.max(given + beside.fold(0.0, f32::max));
+        let withheld = outcomes.iter().map(|outcome| outcome.withheld).sum();
+        self.withheld = self.withheld.max(withheld);
+    }
+
     fn to_lit(&self) -> LitLight {
+        let occluders = match self.mask {
+            Some(Mask::Whole) => &[],
+            _ => &self.occluders[..],
+        };
         LitLight {
             light: self.light,
-            occluders: self
-                .occluders
-                .iter()
-                .map(|occluder| occluder.triangle)
-                .collect(),
+            occluders: occluders.iter().map(|known| known.triangle).collect(),
         }
     }
 }

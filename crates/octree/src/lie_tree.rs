@@ -247,7 +247,7 @@ impl LieTree {
             let Cell::Leaf(lie) = cell else { return };
             stats.cells += u64::from(lie.samples() > 0);
             stats.entries += lie.lights().count() as u64;
-            stats.masked += lie.lights().filter(|entry| entry.masked).count() as u64;
+            stats.masked += lie.lights().filter(|entry| entry.mask.is_some()).count() as u64;
             stats.occluders += lie.listed() as u64;
             stats.bytes += (size_of::<Lie>() + lie.bytes()) as u64;
         });
@@ -270,15 +270,16 @@ impl LieTree {
                 let listed = may_be_listed(entry.occluders.len());
                 hits <= entry.blocked && (listed || entry.inherited)
             };
-            let masked = lie.lights().filter(|entry| entry.masked);
-            let masked: f64 = masked.map(|entry| f64::from(entry.most)).sum();
+            let masked: f64 = lie.lights().map(LightEvidence::masked_error).sum();
             let allowed = f64::from(self.settings.masking) * f64::from(lie.shown.least());
             let inherited = |entry: &LightEvidence| entry.inherited && self.settings.inherit;
             let holds = rising
                 && lie
                     .lights()
                     .all(|entry| entry.clear >= 1 || inherited(entry))
-                && lie.hidden().all(|entry| entry.clear == 0 && !entry.masked)
+                && lie
+                    .hidden()
+                    .all(|entry| entry.clear == 0 && entry.mask.is_none())
                 && masked <= allowed * (1.0 + 1.0e-9)
                 && lie.lights().chain(lie.hidden()).all(counted)
                 && key.depth() <= self.settings.max_depth

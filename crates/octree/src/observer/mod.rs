@@ -306,9 +306,9 @@ fn count(
 ) {
     let first = outcomes.len();
     for (ray, fate) in rays.iter().zip(fates) {
-        let luminance = match fate.blocker {
-            None => ray.weight,
-            Some(_) => 0.0,
+        let (luminance, withheld) = match fate.blocker {
+            None => (ray.weight, 0.0),
+            Some(_) => (0.0, ray.weight),
         };
         let same = outcomes[first..]
             .iter_mut()
@@ -317,11 +317,13 @@ fn count(
             Some(outcome) => {
                 outcome.rays += 1;
                 outcome.luminance += luminance;
+                outcome.withheld += withheld;
             }
             None => outcomes.push(Outcome {
                 blocker: fate.blocker,
                 importance,
                 luminance,
+                withheld,
                 beside: ray.beside,
                 ..Outcome::of(light)
             }),
