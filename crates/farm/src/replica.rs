@@ -72,8 +72,13 @@ impl LieReplica {
     /// Takes in a cell that fits the scene.
     fn take(&mut self, state: &CellState) {
         let bounds = self.replica.cube().cell_bounds(state.key);
-        self.replica.apply(state, |lie| {
-            compile(&self.world, self.settings, bounds, lie)
+        let everything = match self.settings.trust {
+            0 => 0,
+            _ => self.world.scene().lights.len(),
+        };
+        self.replica.apply_or_share(state, |lie| {
+            let cell = compile(&self.world, self.settings, bounds, lie);
+            (cell.answered() > 0 || cell.traced.len() != everything).then_some(cell)
         });
     }
 
@@ -122,7 +127,11 @@ impl PublishedLies {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let mut bytes = 0;
-        self.0.for_each_leaf(|_, cell| bytes += cell.bytes() as u64);
+        self.0.for_each_leaf(|_, cell| {
+            if !self.0.is_empty_leaf(cell) {
+                bytes += cell.bytes() as u64;
+            }
+        });
         bytes
     }
 }

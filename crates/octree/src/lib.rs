@@ -26,9 +26,10 @@
 //! });
 //! tree.record(&observations);
 //! let lie = tree.lie_at(Vec3::ZERO);
-//! assert_eq!(lie.evidence(3).unwrap().occluders[0].triangle, 7);
+//! assert_eq!(lie.evidence(3).unwrap().occluders[0].triangle(), 7);
 //! ```
 
+mod evidence;
 mod key;
 mod lie;
 mod lie_tree;
@@ -38,8 +39,9 @@ mod observer;
 mod replica;
 mod tree;
 
+pub use evidence::{LightEvidence, Mask, Occluder};
 pub use key::CellKey;
-pub use lie::{Lie, LightEvidence, Mask, Occluder, Standing};
+pub use lie::{Lie, Standing};
 pub use lie_tree::{LieSettings, LieStats, LieTree};
 pub use observe::{GROUP, Observation, Outcome, ShadowRay, Visibility};
 pub use observer::Observer;

@@ -1,4 +1,4 @@
-use crate::{LieSettings, LieState, LitLight, Observation, Outcome, masking::Shown};
+use crate::{LieSettings, LieState, LightEvidence, Mask, Observation, Outcome, masking::Shown};
 
 /// What the constructor knows of one cell.
 ///
@@ -15,56 +15,6 @@ pub struct Lie {
     pub(crate) shown: Shown,
     /// Tree version at which what shaders see of it last changed.
     pub(crate) version: u64,
-}
-
-/// What the constructor knows of a light from a cell.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LightEvidence {
-    /// Number of the light in the scene.
-    pub light: u32,
-    /// Rays that reached it.
-    pub clear: u32,
-    /// Rays that did not.
-    pub blocked: u32,
-    /// Rays that agreed with what was known, since one last added to it, and samples that it
-    /// could carry nothing to.
-    pub agreed: u32,
-    /// Largest [`Outcome::importance`] so far.
-    pub importance: f32,
-    /// Whether it reached the cell that this one was split from. That counts until there
-    /// are rays enough from this one.
-    pub inherited: bool,
-    /// Whether too much is in the way to list: its rays go through the scene.
-    pub crowded: bool,
-    /// Largest luminance that it may have given any of the cell's own samples.
-    pub most: f32,
-    /// Largest luminance that it was kept from giving any of them.
-    pub withheld: f32,
-    /// What shaders make of it, if other lights outshine it so much that its shadows are not
-    /// seen (LIE §5).
-    pub mask: Option<Mask>,
-    /// The triangles that came in between, in the order of their discovery. Of a hidden
-    /// light, some of them; of a crowded one, none.
-    pub occluders: Vec<Occluder>,
-}
-
-/// How a light is shaded whose shadows nobody sees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mask {
-    /// Not at all, as if it were hidden everywhere.
-    LeftOut,
-    /// As if nothing were in its way.
-    Whole,
-}
-
-/// A triangle that blocks a light somewhere in a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Occluder {
-    /// Index in the scene.
-    pub triangle: u32,
-    /// Rays that it was found to block; none if it is known from the cell that this one was
-    /// split from.
-    pub hits: u32,
 }
 
 /// How much a cell's knowledge of one light is worth.
@@ -89,7 +39,7 @@ const PER_SAMPLE: u32 = 2;
 const UNSEEN: f32 = 0.25;
 
 /// A plane through a cell leaves a surface in one of its parts about so much of its samples.
-const QUARTER: u32 = 4;
+pub(crate) const QUARTER: u32 = 4;
 
 impl Lie {
     /// A cell that was never sampled.
@@ -123,6 +73,12 @@ impl Lie {
         self.lights.is_empty() && self.dark == 0
     }
 
+    /// Whether shaders are told nothing of it: no sample is its own, and what it inherited is
+    /// too little to be relied on. Without doubt they rely on that as well.
+    pub(crate) fn is_untold(&self, trust: u32) -> bool {
+        self.is_blank() || (trust > 0 && self.samples == 0)
+    }
+
     /// Whether lights that it has no evidence of are known to give it nothing: they shine
     /// elsewhere, or its surfaces face away.
     fn is_dark_known(&self, trust: u32) -> bool {
@@ -152,6 +108,7 @@ impl Lie {
     #[must_use]
     pub fn standing(&self, light: u32, trust: u32) -> Standing<'_> {
         match self.evidence(light) {
+            _ if trust > 0 && self.samples == 0 => Standing::Doubtful,
             Some(entry) if entry.crowded => Standing::Crowded,
             Some(entry) if !entry.is_trusted(trust) => Standing::Doubtful,
             Some(entry) if entry.is_lit() => Standing::Lit(entry),
@@ -166,7 +123,11 @@ impl Lie {
     pub fn complexity(&self, crowd: u32) -> usize {
         let own = |entry: &LightEvidence| match entry.is_past_listing() {
             true => crowd as usize + 1,
-            false => entry.occluders.iter().filter(|own| own.hits > 0).count(),
+            false => entry
+                .occluders
+                .iter()
+                .filter(|own| own.is_confirmed())
+                .count(),
         };
         self.lights().map(own).sum()
     }
@@ -213,6 +174,7 @@ impl Lie {
         for entry in &mut self.lights {
             entry.settle(settings.crowd);
         }
+        self.lights.shrink_to_fit();
         self.mask(settings);
     }
 
@@ -230,7 +192,7 @@ impl Lie {
             }
         }
         for (entry, carried) in self.lights.iter_mut().zip(carried) {
-            entry.agreed = entry.agreed.saturating_add(all - carried.min(all));
+            entry.agree(all - carried.min(all));
         }
     }
 
@@ -252,13 +214,16 @@ impl Lie {
             index
         });
         let entry = &mut self.lights[index];
-        entry.importance = entry.importance.max(outcome.importance);
+        entry.matter(outcome.importance);
         entry
     }
 
     /// What shaders see of the cell, in a scene of so many lights.
     #[must_use]
     pub(crate) fn state(&self, trust: u32, lights: u32) -> LieState {
+        if self.is_untold(trust) {
+            return LieState::default();
+        }
         let trusted = |entry: &&LightEvidence| entry.is_trusted(trust);
         LieState {
             lights: self
@@ -298,7 +263,7 @@ impl Lie {
     /// Heap memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let occluders: usize = self.lights.iter().map(|entry| entry.occluders.len()).sum();
-        size_of_val(&self.lights[..]) + occluders * size_of::<Occluder>()
+        size_of_val(&self.lights[..]) + occluders * size_of::<crate::Occluder>()
     }
 }
 
@@ -306,136 +271,6 @@ impl Lie {
 fn by_light(seen: &Observation) -> impl Iterator<Item = &[Outcome]> {
     // They were observed in that order.
     seen.outcomes.chunk_by(|a, b| a.light == b.light)
-}
-
-impl LightEvidence {
-    /// Rays from a cell after which what it inherited and they did not confirm is dropped.
-    const SETTLED: u32 = 256;
-
-    fn new(light: u32) -> Self {
-        Self {
-            light,
-            clear: 0,
-            blocked: 0,
-            agreed: 0,
-            importance: 0.0,
-            inherited: false,
-            crowded: false,
-            most: 0.0,
-            withheld: 0.0,
-            mask: None,
-            occluders: vec![],
-        }
-    }
-
-    /// What holds in a part of the cell. A plane through a cell leaves a surface about a
-    /// quarter of its rays. What masks a light may lie in another part: it starts unmasked.
-    fn part(&self) -> Self {
-        let inherited = |occluder: &Occluder| Occluder {
-            triangle: occluder.triangle,
-            hits: 0,
-        };
-        Self {
-            clear: 0,
-            blocked: 0,
-            agreed: self.agreed / QUARTER,
-            most: 0.0,
-            withheld: 0.0,
-            mask: None,
-            inherited: self.is_lit(),
-            occluders: self.occluders.iter().map(inherited).collect(),
-            ..*self
-        }
-    }
-
-    /// Whether it reaches the cell, as far as is known.
-    pub(crate) fn is_lit(&self) -> bool {
-        self.clear > 0 || self.inherited
-    }
-
-    /// Whether it is crowded for good: nothing is left to learn.
-    pub(crate) fn is_past_listing(&self) -> bool {
-        self.crowded && !self.inherited
-    }
-
-    /// Draws the conclusions from what was counted.
-    fn settle(&mut self, crowd: u32) {
-        let is_crowd = self.occluders.len() > crowd as usize;
-        if self.inherited && self.clear.saturating_add(self.blocked) >= Self::SETTLED {
-            // There are rays enough to drop what they did not confirm.
-            self.inherited = false;
-            self.occluders.retain(|occluder| occluder.hits > 0);
-            self.crowded = self.is_lit() && self.occluders.len() > crowd as usize;
-            if self.clear == 0 {
-                self.agreed = self.blocked;
-            }
-        } else if self.is_lit() && is_crowd {
-            self.crowded = true;
-        }
-        if self.is_past_listing() {
-            self.occluders = vec![];
-        }
-    }
-
-    /// Whether as many rays agree as the light's importance asks for: in proportion to it,
-    /// so that what may be wrong of any light is worth about the same; but at least a
-    /// sixteenth.
-    fn is_trusted(&self, trust: u32) -> bool {
-        self.is_enough(self.agreed, trust)
-    }
-
-    /// Whether so many rays are as many as its importance asks for.
-    pub(crate) fn is_enough(&self, rays: u32, trust: u32) -> bool {
-        rays as f32 >= trust as f32 * self.importance.clamp(1.0 / 16.0, 1.0)
-    }
-
-    /// Rays that reached the light.
-    fn see(&mut self, rays: u32) {
-        if !self.is_lit() {
-            self.agreed = 0;
-        }
-        self.clear = self.clear.saturating_add(rays);
-        self.agreed = self.agreed.saturating_add(rays);
-    }
-
-    /// Rays that a triangle blocked.
-    fn block(&mut self, triangle: u32, rays: u32, crowd: u32) {
-        self.blocked = self.blocked.saturating_add(rays);
-        self.agreed = self.agreed.saturating_add(rays);
-        let known = self
-            .occluders
-            .iter_mut()
-            .find(|occluder| occluder.triangle == triangle);
-        if let Some(known) = known {
-            known.hits = known.hits.saturating_add(rays);
-        } else if self.is_lit() || self.occluders.len() < crowd as usize {
-            let hits = rays;
-            self.occluders.push(Occluder { triangle, hits });
-            if self.is_lit() {
-                self.agreed = 0;
-            }
-        }
-    }
-
-    /// Takes in what a sample had of it, and what it was kept from having.
-    fn weigh(&mut self, outcomes: &[Outcome]) {
-        let given: f32 = outcomes.iter().map(|outcome| outcome.luminance).sum();
-        let beside = outcomes.iter().map(|outcome| outcome.beside);
-        self.most = self.most.max(given + beside.fold(0.0, f32::max));
-        let withheld = outcomes.iter().map(|outcome| outcome.withheld).sum();
-        self.withheld = self.withheld.max(withheld);
-    }
-
-    fn to_lit(&self) -> LitLight {
-        let occluders = match self.mask {
-            Some(Mask::Whole) => &[],
-            _ => &self.occluders[..],
-        };
-        LitLight {
-            light: self.light,
-            occluders: occluders.iter().map(|known| known.triangle).collect(),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -485,11 +320,11 @@ mod tests {
         }
     }
 
-    fn triangles(lie: &Lie, light: u32) -> Vec<(u32, u32)> {
+    fn triangles(lie: &Lie, light: u32) -> Vec<(u32, bool)> {
         let occluders = &lie.evidence(light).unwrap().occluders;
         occluders
             .iter()
-            .map(|known| (known.triangle, known.hits))
+            .map(|known| (known.triangle(), known.is_confirmed()))
             .collect()
     }
 
@@ -506,14 +341,14 @@ mod tests {
         assert_eq!((lie.samples(), lie.complexity(3)), (4, 1));
         let entry = lie.evidence(4).unwrap();
         assert_eq!((entry.clear, entry.blocked), (1, 3));
-        assert_eq!(triangles(&lie, 4), [(1, 3)]);
+        assert_eq!(triangles(&lie, 4), [(1, true)]);
     }
 
     #[test]
     fn of_one_batch_what_saw_the_light_counts_first() {
         let mut lie = Lie::default();
         record(&mut lie, &[(0, Some(8)), (0, SEEN), (0, Some(9))]);
-        assert_eq!(triangles(&lie, 0), [(8, 1), (9, 1)]);
+        assert_eq!(triangles(&lie, 0), [(8, true), (9, true)]);
     }
 
     #[test]
@@ -548,7 +383,14 @@ mod tests {
         record(&mut lie, &[(1, SEEN)]);
         assert_eq!(standing(&lie, 3, 64), "hidden");
         assert_eq!(lie.state(64, 5).hidden, [0, 2, 3, 4]);
-        assert_eq!(lie.part(1).state(16, 5).hidden, [0, 2, 3, 4]);
+        let mut part = lie.part(1);
+        assert_eq!(
+            part.state(16, 5),
+            LieState::default(),
+            "without samples of its own"
+        );
+        record(&mut part, &[]);
+        assert_eq!(part.state(16, 5).hidden, [0, 2, 3, 4]);
         record(&mut lie, &[(3, SEEN)]);
         assert_eq!(standing(&lie, 3, 64), "doubtful");
         assert_eq!(lie.state(64, 5).hidden, [0, 2, 4]);
@@ -618,6 +460,6 @@ mod tests {
         for _ in 0..LightEvidence::SETTLED {
             record(&mut part, &[(0, SEEN), (0, Some(8))]);
         }
-        assert_eq!(triangles(&part, 0), [(8, LightEvidence::SETTLED)]);
+        assert_eq!(triangles(&part, 0), [(8, true)]);
     }
 }

@@ -1,4 +1,4 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use glam::Vec3;
 use lie_geom::Aabb;
@@ -233,7 +233,7 @@ impl LieTree {
     pub fn keys(&self) -> Vec<CellKey> {
         let mut keys = vec![];
         self.tree.for_each(|key, cell| match cell {
-            Cell::Leaf(lie) if lie.is_blank() => {}
+            Cell::Leaf(lie) if lie.is_untold(self.settings.trust) => {}
             _ => keys.push(key),
         });
         keys
@@ -243,8 +243,13 @@ impl LieTree {
     #[must_use]
     pub fn stats(&self) -> LieStats {
         let mut stats = LieStats::default();
+        let mut shared = HashSet::new();
         self.tree.for_each(|_, cell| {
             let Cell::Leaf(lie) = cell else { return };
+            // Parts of a cell that nobody has sampled yet are one.
+            if lie.samples() == 0 && !shared.insert(std::ptr::from_ref(lie)) {
+                return;
+            }
             stats.cells += u64::from(lie.samples() > 0);
             stats.entries += lie.lights().count() as u64;
             stats.masked += lie.lights().filter(|entry| entry.mask.is_some()).count() as u64;
@@ -266,9 +271,10 @@ impl LieTree {
             let rising = lie.lights().is_sorted_by(|a, b| a.light < b.light)
                 && lie.hidden().is_sorted_by(|a, b| a.light < b.light);
             let counted = |entry: &LightEvidence| {
-                let hits: u32 = entry.occluders.iter().map(|occluder| occluder.hits).sum();
+                let confirmed = entry.occluders.iter().filter(|own| own.is_confirmed());
+                let confirmed = confirmed.count();
                 let listed = may_be_listed(entry.occluders.len());
-                hits <= entry.blocked && (listed || entry.inherited)
+                confirmed <= usize::from(entry.blocked) && (listed || entry.inherited)
             };
             let masked: f64 = lie.lights().map(LightEvidence::masked_error).sum();
             let allowed = f64::from(self.settings.masking) * f64::from(lie.shown.least());

@@ -1,7 +1,7 @@
 use crate::{LieSettings, LightEvidence, Mask, Observation};
 
 /// Own rays to a light from a cell below which it is never masked, whatever the trust.
-const ENOUGH: u32 = 32;
+const ENOUGH: u16 = 32;
 
 /// The least that a cell's samples show: what Weber's law holds masked lights against.
 ///
@@ -38,8 +38,7 @@ impl Shown {
         }
         let limit = f64::from(settings.masking) * f64::from(self.least());
         let may_be_masked = |entry: &&mut LightEvidence| {
-            let own = entry.clear.saturating_add(entry.blocked);
-            let agreed = entry.agreed.min(own);
+            let agreed = entry.agreed.min(entry.own_rays());
             let is_known = agreed >= ENOUGH && entry.is_enough(agreed, settings.trust);
             // Without occluders it costs no ray.
             is_known && entry.is_lit() && !entry.crowded && !entry.occluders.is_empty()

@@ -121,6 +121,16 @@ impl<T> Replica<T> {
     /// Takes in one cell. `compile` turns a leaf into the form wanted here; it is called
     /// only if the state is news.
     pub fn apply(&mut self, state: &CellState, compile: impl FnOnce(&LieState) -> T) {
+        self.apply_or_share(state, |lie| Some(compile(lie)));
+    }
+
+    /// The same, where `compile` gives `None` for what is as good as knowing nothing: all
+    /// such leaves share one value.
+    pub fn apply_or_share(
+        &mut self,
+        state: &CellState,
+        compile: impl FnOnce(&LieState) -> Option<T>,
+    ) {
         match &state.body {
             CellBody::Inner => {
                 if state.key.depth() < CellKey::MAX_DEPTH
@@ -139,9 +149,10 @@ impl<T> Replica<T> {
                 if let Some(leaf) = self.tree.leaf_mut(state.key)
                     && (leaf.version <= state.version)
                 {
+                    let value = compile(lie).map(Arc::new);
                     *leaf = Leaf {
                         version: state.version,
-                        value: Arc::new(compile(lie)),
+                        value: value.unwrap_or_else(|| self.empty.value.clone()),
                     };
                 }
             }
@@ -151,6 +162,12 @@ impl<T> Replica<T> {
     /// Says that every cell of the constructor's version `version` has been applied.
     pub fn reached(&mut self, version: u64) {
         self.version = version;
+    }
+
+    /// Whether a leaf's value is the one that all leaves share of which nothing is known.
+    #[must_use]
+    pub fn is_empty_leaf(&self, value: &T) -> bool {
+        std::ptr::eq(value, &*self.empty.value)
     }
 
     /// Calls `visit` for every leaf.
