@@ -1,7 +1,8 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use lie_octree::{CellBody, CellState, Cube, LieSettings, LieState, LieTree, Replica};
+use lie_geom::Aabb;
+use lie_octree::{CellBody, CellKey, CellState, Cube, LieSettings, LieState, LieTree, Replica};
 use lie_render::{LieCell, LieLookup, World};
 
 /// A shader's copy of the LIEs, compiled for shading, under construction.
@@ -34,7 +35,9 @@ impl LieReplica {
     #[must_use]
     pub fn new(world: Arc<World>, settings: LieSettings) -> Self {
         let cube = Cube::around(world.scene().geometry.bounds());
-        let empty = compile(&world, settings, &LieState::default());
+        // Of a cell that nothing is known of every light is traced, wherever the cell is.
+        let everywhere = cube.cell_bounds(CellKey::ROOT);
+        let empty = compile(&world, settings, everywhere, &LieState::default());
         Self {
             world,
             settings,
@@ -47,8 +50,7 @@ impl LieReplica {
     pub fn of(world: Arc<World>, tree: &LieTree) -> Self {
         let mut copy = Self::new(world, tree.settings());
         for state in tree.keys().into_iter().filter_map(|key| tree.state(key)) {
-            copy.replica
-                .apply(&state, |lie| compile(&copy.world, copy.settings, lie));
+            copy.take(&state);
         }
         copy.replica.reached(tree.version());
         copy
@@ -61,11 +63,23 @@ impl LieReplica {
     pub fn apply(&mut self, states: &[CellState], to_version: u64) -> Result<(), ReplicaError> {
         states.iter().try_for_each(|state| self.check(state))?;
         for state in states {
-            self.replica
-                .apply(state, |lie| compile(&self.world, self.settings, lie));
+            self.take(state);
         }
         self.replica.reached(to_version);
         Ok(())
+    }
+
+    /// Takes in a cell that fits the scene.
+    fn take(&mut self, state: &CellState) {
+        let bounds = self.replica.cube().cell_bounds(state.key);
+        let everything = match self.settings.trust {
+            0 => 0,
+            _ => self.world.scene().lights.len(),
+        };
+        self.replica.apply_or_share(state, |lie| {
+            let cell = compile(&self.world, self.settings, bounds, lie);
+            (cell.answered() > 0 || cell.traced.len() != everything).then_some(cell)
+        });
     }
 
     /// The version that it equals.
@@ -113,7 +127,11 @@ impl PublishedLies {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let mut bytes = 0;
-        self.0.for_each_leaf(|_, cell| bytes += cell.bytes() as u64);
+        self.0.for_each_leaf(|_, cell| {
+            if !self.0.is_empty_leaf(cell) {
+                bytes += cell.bytes() as u64;
+            }
+        });
         bytes
     }
 }
@@ -132,8 +150,9 @@ impl LieLookup for PublishedLies {
     }
 }
 
-/// An LIE in the form that shading wants. The caller has checked its indices.
-fn compile(world: &World, settings: LieSettings, lie: &LieState) -> LieCell {
+/// The LIE of a cell with these bounds, in the form that shading wants. The caller has checked
+/// its indices. What is in doubt is traced, unless the light cannot reach the cell at all.
+fn compile(world: &World, settings: LieSettings, bounds: Aabb, lie: &LieState) -> LieCell {
     let scene = world.scene();
     let is_known = |light: &u32| {
         lie.lights
@@ -146,6 +165,7 @@ fn compile(world: &World, settings: LieSettings, lie: &LieState) -> LieCell {
     } else {
         (0..scene.lights.len() as u32)
             .filter(|light| !is_known(light))
+            .filter(|&light| scene.lights[light as usize].may_reach(bounds))
             .collect()
     };
     let lights = lie.lights.iter();

@@ -18,7 +18,7 @@
 //! use lie_octree::{LieSettings, LieTree, Observation, Outcome};
 //!
 //! let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
-//! let mut tree = LieTree::new(bounds, LieSettings::default());
+//! let mut tree = LieTree::new(bounds, 10, LieSettings::default());
 //! // From one point light 3 was seen, from another triangle 7 was in the way.
 //! let observations = [(0.5, None), (-0.5, Some(7))].map(|(y, blocker)| Observation {
 //!     outcomes: vec![Outcome { blocker, importance: 1.0, ..Outcome::of(3) }],
@@ -26,9 +26,10 @@
 //! });
 //! tree.record(&observations);
 //! let lie = tree.lie_at(Vec3::ZERO);
-//! assert_eq!(lie.evidence(3).unwrap().occluders[0].triangle, 7);
+//! assert_eq!(lie.evidence(3).unwrap().occluders[0].triangle(), 7);
 //! ```
 
+mod evidence;
 mod key;
 mod lie;
 mod lie_tree;
@@ -38,8 +39,9 @@ mod observer;
 mod replica;
 mod tree;
 
+pub use evidence::{LightEvidence, Mask, Occluder};
 pub use key::CellKey;
-pub use lie::{Lie, LightEvidence, Occluder, Standing};
+pub use lie::{Lie, Standing};
 pub use lie_tree::{LieSettings, LieStats, LieTree};
 pub use observe::{GROUP, Observation, Outcome, ShadowRay, Visibility};
 pub use observer::Observer;

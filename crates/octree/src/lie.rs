@@ -1,4 +1,4 @@
-use crate::{LieSettings, LieState, LitLight, Observation, Outcome, masking::Shown};
+use crate::{LieSettings, LieState, LightEvidence, Mask, Observation, Outcome, masking::Shown};
 
 /// What the constructor knows of one cell.
 ///
@@ -7,48 +7,14 @@ use crate::{LieSettings, LieState, LitLight, Observation, Outcome, masking::Show
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lie {
     samples: u32,
+    /// Samples that lights without evidence carried nothing to, those included that speak
+    /// for the whole that this is a part of.
+    dark: u32,
     lights: Vec<LightEvidence>,
     /// What its own samples show of all lights together.
     pub(crate) shown: Shown,
     /// Tree version at which what shaders see of it last changed.
     pub(crate) version: u64,
-}
-
-/// What the constructor knows of a light from a cell.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LightEvidence {
-    /// Number of the light in the scene.
-    pub light: u32,
-    /// Rays that reached it.
-    pub clear: u32,
-    /// Rays that did not.
-    pub blocked: u32,
-    /// Rays that agreed with what was known, since one last added to it.
-    pub agreed: u32,
-    /// Largest [`Outcome::importance`] so far.
-    pub importance: f32,
-    /// Whether it reached the cell that this one was split from. That counts until there
-    /// are rays enough from this one.
-    pub inherited: bool,
-    /// Whether too much is in the way to list: its rays go through the scene.
-    pub crowded: bool,
-    /// Largest luminance that it may have given any of the cell's own samples.
-    pub most: f32,
-    /// Whether other lights outshine it so much that shaders leave it out (LIE §5).
-    pub masked: bool,
-    /// The triangles that came in between, in the order of their discovery. Of a hidden
-    /// light, some of them; of a crowded one, none.
-    pub occluders: Vec<Occluder>,
-}
-
-/// A triangle that blocks a light somewhere in a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Occluder {
-    /// Index in the scene.
-    pub triangle: u32,
-    /// Rays that it was found to block; none if it is known from the cell that this one was
-    /// split from.
-    pub hits: u32,
 }
 
 /// How much a cell's knowledge of one light is worth.
@@ -68,6 +34,13 @@ pub enum Standing<'a> {
 /// worth more than the next ray.
 const PER_SAMPLE: u32 = 2;
 
+/// What a light that was never seen to carry anything to a cell counts as, where it might:
+/// nobody knows how much of a pixel's light it would give.
+const UNSEEN: f32 = 0.25;
+
+/// A plane through a cell leaves a surface in one of its parts about so much of its samples.
+pub(crate) const QUARTER: u32 = 4;
+
 impl Lie {
     /// A cell that was never sampled.
     pub(crate) fn empty(version: u64) -> Self {
@@ -82,6 +55,7 @@ impl Lie {
     pub(crate) fn part(&self, version: u64) -> Self {
         Self {
             samples: 0,
+            dark: self.dark / QUARTER,
             lights: self.lights.iter().map(LightEvidence::part).collect(),
             shown: Shown::default(),
             version,
@@ -96,7 +70,19 @@ impl Lie {
 
     /// Whether nothing is known of it.
     pub(crate) fn is_blank(&self) -> bool {
-        self.lights.is_empty()
+        self.lights.is_empty() && self.dark == 0
+    }
+
+    /// Whether shaders are told nothing of it: no sample is its own, and what it inherited is
+    /// too little to be relied on. Without doubt they rely on that as well.
+    pub(crate) fn is_untold(&self, trust: u32) -> bool {
+        self.is_blank() || (trust > 0 && self.samples == 0)
+    }
+
+    /// Whether lights that it has no evidence of are known to give it nothing: they shine
+    /// elsewhere, or its surfaces face away.
+    fn is_dark_known(&self, trust: u32) -> bool {
+        self.dark as f32 >= trust as f32 * UNSEEN
     }
 
     /// The lights that reach the cell, in order of their number.
@@ -113,10 +99,7 @@ impl Lie {
     /// What is known of a light, seen or hidden.
     #[must_use]
     pub fn evidence(&self, light: u32) -> Option<&LightEvidence> {
-        let place = self
-            .lights
-            .binary_search_by_key(&light, |entry| entry.light);
-        place.ok().map(|index| &self.lights[index])
+        self.place(light).ok().map(|index| &self.lights[index])
     }
 
     /// What shaders make of a light, masking left aside, if `trust` rays must agree on one
@@ -125,10 +108,11 @@ impl Lie {
     #[must_use]
     pub fn standing(&self, light: u32, trust: u32) -> Standing<'_> {
         match self.evidence(light) {
+            _ if trust > 0 && self.samples == 0 => Standing::Doubtful,
             Some(entry) if entry.crowded => Standing::Crowded,
             Some(entry) if !entry.is_trusted(trust) => Standing::Doubtful,
             Some(entry) if entry.is_lit() => Standing::Lit(entry),
-            None if trust > 0 => Standing::Doubtful,
+            None if !self.is_dark_known(trust) => Standing::Doubtful,
             _ => Standing::Hidden,
         }
     }
@@ -139,7 +123,11 @@ impl Lie {
     pub fn complexity(&self, crowd: u32) -> usize {
         let own = |entry: &LightEvidence| match entry.is_past_listing() {
             true => crowd as usize + 1,
-            false => entry.occluders.iter().filter(|own| own.hits > 0).count(),
+            false => entry
+                .occluders
+                .iter()
+                .filter(|own| own.is_confirmed())
+                .count(),
         };
         self.lights().map(own).sum()
     }
@@ -160,8 +148,11 @@ impl Lie {
     ) {
         for seen in samples.clone() {
             self.samples = self.samples.saturating_add(1);
+            self.dark = self.dark.saturating_add(1);
             self.shown.record(seen);
         }
+        self.record_dark(samples.clone());
+        let lights = samples.clone().flat_map(by_light);
         let outcomes = samples.flat_map(|seen| &seen.outcomes);
         for outcome in outcomes.clone() {
             if outcome.blocker.is_none() {
@@ -174,10 +165,41 @@ impl Lie {
                 self.entry(outcome).block(triangle, rays, settings.crowd);
             }
         }
+        for outcomes in lights {
+            // All of them have entries by now.
+            if let Ok(place) = self.place(outcomes[0].light) {
+                self.lights[place].weigh(outcomes);
+            }
+        }
         for entry in &mut self.lights {
             entry.settle(settings.crowd);
         }
+        self.lights.shrink_to_fit();
         self.mask(settings);
+    }
+
+    /// Samples that a light carries nothing to are right whatever is known of it: they agree.
+    /// Whatever the others teach comes after.
+    fn record_dark<'a>(&mut self, samples: impl Iterator<Item = &'a Observation>) {
+        let mut carried = vec![0u32; self.lights.len()];
+        let mut all = 0;
+        for seen in samples {
+            all += 1;
+            for outcomes in by_light(seen) {
+                if let Ok(place) = self.place(outcomes[0].light) {
+                    carried[place] += 1;
+                }
+            }
+        }
+        for (entry, carried) in self.lights.iter_mut().zip(carried) {
+            entry.agree(all - carried.min(all));
+        }
+    }
+
+    /// Where a light's evidence is, or would be.
+    fn place(&self, light: u32) -> Result<usize, usize> {
+        self.lights
+            .binary_search_by_key(&light, |entry| entry.light)
     }
 
     /// Decides anew which lights the others mask.
@@ -187,27 +209,26 @@ impl Lie {
 
     /// The entry that an outcome belongs to, made first if there is none.
     fn entry(&mut self, outcome: &Outcome) -> &mut LightEvidence {
-        let place = self
-            .lights
-            .binary_search_by_key(&outcome.light, |entry| entry.light);
-        let index = place.unwrap_or_else(|index| {
+        let index = self.place(outcome.light).unwrap_or_else(|index| {
             self.lights.insert(index, LightEvidence::new(outcome.light));
             index
         });
         let entry = &mut self.lights[index];
-        entry.importance = entry.importance.max(outcome.importance);
-        entry.most = entry.most.max(outcome.luminance + outcome.beside);
+        entry.matter(outcome.importance);
         entry
     }
 
-    /// What shaders see of the cell.
+    /// What shaders see of the cell, in a scene of so many lights.
     #[must_use]
-    pub(crate) fn state(&self, trust: u32) -> LieState {
+    pub(crate) fn state(&self, trust: u32, lights: u32) -> LieState {
+        if self.is_untold(trust) {
+            return LieState::default();
+        }
         let trusted = |entry: &&LightEvidence| entry.is_trusted(trust);
         LieState {
             lights: self
                 .lights()
-                .filter(|entry| !entry.crowded && !entry.masked)
+                .filter(|entry| !entry.crowded && entry.mask != Some(Mask::LeftOut))
                 .filter(trusted)
                 .map(LightEvidence::to_lit)
                 .collect(),
@@ -217,140 +238,39 @@ impl Lie {
                 .map(|entry| entry.light)
                 .collect(),
             // Without doubt, every light that is not lit is hidden: no need to name it.
-            hidden: self
-                .lights
-                .iter()
-                .filter(|entry| trust > 0 && (entry.masked || !entry.is_lit()))
-                .filter(trusted)
-                .map(|entry| entry.light)
-                .collect(),
+            hidden: if trust > 0 {
+                self.left_out(trust, lights)
+            } else {
+                vec![]
+            },
         }
+    }
+
+    /// The lights that are known to give the cell nothing, or are masked.
+    fn left_out(&self, trust: u32, lights: u32) -> Vec<u32> {
+        let is_dark_known = self.is_dark_known(trust);
+        let mut rest = self.lights.iter().peekable();
+        let is_left_out = |light: &u32| match rest.next_if(|entry| entry.light == *light) {
+            Some(entry) => {
+                let is_left_out = entry.mask == Some(Mask::LeftOut) || !entry.is_lit();
+                is_left_out && entry.is_trusted(trust)
+            }
+            None => is_dark_known,
+        };
+        (0..lights).filter(is_left_out).collect()
     }
 
     /// Heap memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let occluders: usize = self.lights.iter().map(|entry| entry.occluders.len()).sum();
-        size_of_val(&self.lights[..]) + occluders * size_of::<Occluder>()
+        size_of_val(&self.lights[..]) + occluders * size_of::<crate::Occluder>()
     }
 }
 
-impl LightEvidence {
-    /// Rays from a cell after which what it inherited and they did not confirm is dropped.
-    const SETTLED: u32 = 256;
-
-    fn new(light: u32) -> Self {
-        Self {
-            light,
-            clear: 0,
-            blocked: 0,
-            agreed: 0,
-            importance: 0.0,
-            inherited: false,
-            crowded: false,
-            most: 0.0,
-            masked: false,
-            occluders: vec![],
-        }
-    }
-
-    /// What holds in a part of the cell. A plane through a cell leaves a surface about a
-    /// quarter of its rays. What masks a light may lie in another part: it starts unmasked.
-    fn part(&self) -> Self {
-        let inherited = |occluder: &Occluder| Occluder {
-            triangle: occluder.triangle,
-            hits: 0,
-        };
-        Self {
-            clear: 0,
-            blocked: 0,
-            agreed: self.agreed / 4,
-            most: 0.0,
-            masked: false,
-            inherited: self.is_lit(),
-            occluders: self.occluders.iter().map(inherited).collect(),
-            ..*self
-        }
-    }
-
-    /// Whether it reaches the cell, as far as is known.
-    pub(crate) fn is_lit(&self) -> bool {
-        self.clear > 0 || self.inherited
-    }
-
-    /// Whether it is crowded for good: nothing is left to learn.
-    pub(crate) fn is_past_listing(&self) -> bool {
-        self.crowded && !self.inherited
-    }
-
-    /// Draws the conclusions from what was counted.
-    fn settle(&mut self, crowd: u32) {
-        let is_crowd = self.occluders.len() > crowd as usize;
-        if self.inherited && self.clear.saturating_add(self.blocked) >= Self::SETTLED {
-            // There are rays enough to drop what they did not confirm.
-            self.inherited = false;
-            self.occluders.retain(|occluder| occluder.hits > 0);
-            self.crowded = self.is_lit() && self.occluders.len() > crowd as usize;
-            if self.clear == 0 {
-                self.agreed = self.blocked;
-            }
-        } else if self.is_lit() && is_crowd {
-            self.crowded = true;
-        }
-        if self.is_past_listing() {
-            self.occluders = vec![];
-        }
-    }
-
-    /// Whether as many rays agree as the light's importance asks for: in proportion to it,
-    /// so that what may be wrong of any light is worth about the same; but at least a
-    /// sixteenth.
-    fn is_trusted(&self, trust: u32) -> bool {
-        self.is_enough(self.agreed, trust)
-    }
-
-    /// Whether so many rays are as many as its importance asks for.
-    pub(crate) fn is_enough(&self, rays: u32, trust: u32) -> bool {
-        rays as f32 >= trust as f32 * self.importance.clamp(1.0 / 16.0, 1.0)
-    }
-
-    /// Rays that reached the light.
-    fn see(&mut self, rays: u32) {
-        if !self.is_lit() {
-            self.agreed = 0;
-        }
-        self.clear = self.clear.saturating_add(rays);
-        self.agreed = self.agreed.saturating_add(rays);
-    }
-
-    /// Rays that a triangle blocked.
-    fn block(&mut self, triangle: u32, rays: u32, crowd: u32) {
-        self.blocked = self.blocked.saturating_add(rays);
-        self.agreed = self.agreed.saturating_add(rays);
-        let known = self
-            .occluders
-            .iter_mut()
-            .find(|occluder| occluder.triangle == triangle);
-        if let Some(known) = known {
-            known.hits = known.hits.saturating_add(rays);
-        } else if self.is_lit() || self.occluders.len() < crowd as usize {
-            let hits = rays;
-            self.occluders.push(Occluder { triangle, hits });
-            if self.is_lit() {
-                self.agreed = 0;
-            }
-        }
-    }
-
-    fn to_lit(&self) -> LitLight {
-        LitLight {
-            light: self.light,
-            occluders: self
-                .occluders
-                .iter()
-                .map(|occluder| occluder.triangle)
-                .collect(),
-        }
-    }
+/// What a sample saw, light by light.
+fn by_light(seen: &Observation) -> impl Iterator<Item = &[Outcome]> {
+    // They were observed in that order.
+    seen.outcomes.chunk_by(|a, b| a.light == b.light)
 }
 
 #[cfg(test)]
@@ -400,11 +320,11 @@ mod tests {
         }
     }
 
-    fn triangles(lie: &Lie, light: u32) -> Vec<(u32, u32)> {
+    fn triangles(lie: &Lie, light: u32) -> Vec<(u32, bool)> {
         let occluders = &lie.evidence(light).unwrap().occluders;
         occluders
             .iter()
-            .map(|known| (known.triangle, known.hits))
+            .map(|known| (known.triangle(), known.is_confirmed()))
             .collect()
     }
 
@@ -421,14 +341,14 @@ mod tests {
         assert_eq!((lie.samples(), lie.complexity(3)), (4, 1));
         let entry = lie.evidence(4).unwrap();
         assert_eq!((entry.clear, entry.blocked), (1, 3));
-        assert_eq!(triangles(&lie, 4), [(1, 3)]);
+        assert_eq!(triangles(&lie, 4), [(1, true)]);
     }
 
     #[test]
     fn of_one_batch_what_saw_the_light_counts_first() {
         let mut lie = Lie::default();
         record(&mut lie, &[(0, Some(8)), (0, SEEN), (0, Some(9))]);
-        assert_eq!(triangles(&lie, 0), [(8, 1), (9, 1)]);
+        assert_eq!(triangles(&lie, 0), [(8, true), (9, true)]);
     }
 
     #[test]
@@ -439,9 +359,9 @@ mod tests {
         record(&mut lie, &[(0, SEEN), (1, Some(7))]);
         assert_eq!(standing(&lie, 0, 2), "lit");
         assert_eq!(standing(&lie, 1, 2), "hidden");
-        assert_eq!(standing(&lie, 9, 2), "doubtful");
+        assert_eq!(standing(&lie, 9, 12), "doubtful");
         assert_eq!(standing(&lie, 9, 0), "hidden");
-        let known = lie.state(2);
+        let known = lie.state(2, 2);
         assert_eq!((known.lights.len(), &known.hidden[..]), (1, &[1][..]));
         record(&mut lie, &[(0, Some(3)), (1, SEEN)]);
         assert_eq!(standing(&lie, 0, 2), "doubtful", "a new occluder");
@@ -451,6 +371,44 @@ mod tests {
             "it is not hidden after all"
         );
         assert_eq!(lie.hidden().count(), 0);
+    }
+
+    #[test]
+    fn a_light_that_carries_nothing_to_any_sample_is_left_out_until_it_does() {
+        let mut lie = Lie::default();
+        for _ in 0..15 {
+            record(&mut lie, &[(1, SEEN)]);
+        }
+        assert_eq!(standing(&lie, 3, 64), "doubtful");
+        record(&mut lie, &[(1, SEEN)]);
+        assert_eq!(standing(&lie, 3, 64), "hidden");
+        assert_eq!(lie.state(64, 5).hidden, [0, 2, 3, 4]);
+        let mut part = lie.part(1);
+        assert_eq!(
+            part.state(16, 5),
+            LieState::default(),
+            "without samples of its own"
+        );
+        record(&mut part, &[]);
+        assert_eq!(part.state(16, 5).hidden, [0, 2, 3, 4]);
+        record(&mut lie, &[(3, SEEN)]);
+        assert_eq!(standing(&lie, 3, 64), "doubtful");
+        assert_eq!(lie.state(64, 5).hidden, [0, 2, 4]);
+    }
+
+    #[test]
+    fn a_sample_that_a_light_carries_nothing_to_agrees() {
+        let mut lie = Lie::default();
+        record(&mut lie, &[(0, SEEN), (1, Some(7))]);
+        record(&mut lie, &[]);
+        assert_eq!(standing(&lie, 0, 2), "lit");
+        assert_eq!(standing(&lie, 1, 2), "hidden");
+        record(&mut lie, &[(0, Some(3)), (1, SEEN)]);
+        assert_eq!(standing(&lie, 0, 2), "doubtful");
+        record(&mut lie, &[]);
+        assert_eq!(standing(&lie, 0, 2), "doubtful");
+        record(&mut lie, &[]);
+        assert_eq!(standing(&lie, 0, 2), "lit");
     }
 
     #[test]
@@ -479,7 +437,7 @@ mod tests {
         record(&mut lie, &[(0, Some(3))]);
         assert_eq!(standing(&lie, 0, 0), "crowded");
         assert_eq!((lie.listed(), lie.complexity(3)), (0, 4));
-        let state = lie.state(0);
+        let state = lie.state(0, 10);
         assert_eq!((&state.crowded[..], state.lights.len()), (&[0][..], 0));
     }
 
@@ -489,10 +447,10 @@ mod tests {
         record(&mut whole, &[(0, SEEN), (1, SEEN), (2, Some(5))]);
         record(&mut whole, &[(0, Some(7)), (0, Some(8))]);
         let mut part = whole.part(1);
-        assert_eq!(part.state(0), whole.state(0));
+        assert_eq!(part.state(0, 10), whole.state(0, 10));
         assert_eq!((part.samples(), part.complexity(3)), (0, 0));
         for _ in 0..LightEvidence::SETTLED {
-            assert_eq!(part.state(0), whole.state(0));
+            assert_eq!(part.state(0, 10), whole.state(0, 10));
             record(&mut part, &[(0, Some(8)), (2, Some(5))]);
         }
         // Light 0 was never seen from the part; of light 1 nothing new is known.
@@ -502,6 +460,6 @@ mod tests {
         for _ in 0..LightEvidence::SETTLED {
             record(&mut part, &[(0, SEEN), (0, Some(8))]);
         }
-        assert_eq!(triangles(&part, 0), [(8, LightEvidence::SETTLED)]);
+        assert_eq!(triangles(&part, 0), [(8, true)]);
     }
 }

@@ -1,4 +1,4 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use glam::Vec3;
 use lie_geom::Aabb;
@@ -72,15 +72,18 @@ pub struct LieStats {
 pub struct LieTree {
     tree: Octree<Lie>,
     settings: LieSettings,
+    /// Lights of the scene.
+    lights: u32,
     version: u64,
     changed: BTreeSet<CellKey>,
     samples: u64,
 }
 
 impl LieTree {
-    /// An empty tree over the scene's bounds. Settings are clamped to what is possible.
+    /// An empty tree over the bounds of a scene with so many lights. Settings are clamped to
+    /// what is possible.
     #[must_use]
-    pub fn new(bounds: Aabb, settings: LieSettings) -> Self {
+    pub fn new(bounds: Aabb, lights: u32, settings: LieSettings) -> Self {
         Self {
             tree: Octree::new(Cube::around(bounds), Lie::default()),
             settings: LieSettings {
@@ -88,6 +91,7 @@ impl LieTree {
                 masking: settings.masking.clamp(0.0, 1.0),
                 ..settings
             },
+            lights,
             version: 0,
             changed: BTreeSet::new(),
             samples: 0,
@@ -163,13 +167,13 @@ impl LieTree {
 
     /// Takes in observations from one leaf.
     fn record_in(&mut self, key: CellKey, group: &[(CellKey, &Observation)]) {
-        let (settings, version) = (self.settings, self.version);
+        let (settings, lights, version) = (self.settings, self.lights, self.version);
         let Some(lie) = self.tree.leaf_mut(key) else {
             return;
         };
         let before = lie.clone();
         lie.record(group.iter().map(|(_, seen)| *seen), &settings);
-        if before.state(settings.trust) != lie.state(settings.trust) {
+        if before.state(settings.trust, lights) != lie.state(settings.trust, lights) {
             lie.version = version + 1;
             self.changed.insert(key);
         }
@@ -218,7 +222,7 @@ impl LieTree {
             Cell::Leaf(lie) => CellState {
                 key,
                 version: lie.version,
-                body: CellBody::Leaf(lie.state(self.settings.trust)),
+                body: CellBody::Leaf(lie.state(self.settings.trust, self.lights)),
             },
         })
     }
@@ -229,7 +233,7 @@ impl LieTree {
     pub fn keys(&self) -> Vec<CellKey> {
         let mut keys = vec![];
         self.tree.for_each(|key, cell| match cell {
-            Cell::Leaf(lie) if lie.is_blank() => {}
+            Cell::Leaf(lie) if lie.is_untold(self.settings.trust) => {}
             _ => keys.push(key),
         });
         keys
@@ -239,11 +243,16 @@ impl LieTree {
     #[must_use]
     pub fn stats(&self) -> LieStats {
         let mut stats = LieStats::default();
+        let mut shared = HashSet::new();
         self.tree.for_each(|_, cell| {
             let Cell::Leaf(lie) = cell else { return };
+            // Parts of a cell that nobody has sampled yet are one.
+            if lie.samples() == 0 && !shared.insert(std::ptr::from_ref(lie)) {
+                return;
+            }
             stats.cells += u64::from(lie.samples() > 0);
             stats.entries += lie.lights().count() as u64;
-            stats.masked += lie.lights().filter(|entry| entry.masked).count() as u64;
+            stats.masked += lie.lights().filter(|entry| entry.mask.is_some()).count() as u64;
             stats.occluders += lie.listed() as u64;
             stats.bytes += (size_of::<Lie>() + lie.bytes()) as u64;
         });
@@ -262,19 +271,21 @@ impl LieTree {
             let rising = lie.lights().is_sorted_by(|a, b| a.light < b.light)
                 && lie.hidden().is_sorted_by(|a, b| a.light < b.light);
             let counted = |entry: &LightEvidence| {
-                let hits: u32 = entry.occluders.iter().map(|occluder| occluder.hits).sum();
+                let confirmed = entry.occluders.iter().filter(|own| own.is_confirmed());
+                let confirmed = confirmed.count();
                 let listed = may_be_listed(entry.occluders.len());
-                hits <= entry.blocked && (listed || entry.inherited)
+                confirmed <= usize::from(entry.blocked) && (listed || entry.inherited)
             };
-            let masked = lie.lights().filter(|entry| entry.masked);
-            let masked: f64 = masked.map(|entry| f64::from(entry.most)).sum();
+            let masked: f64 = lie.lights().map(LightEvidence::masked_error).sum();
             let allowed = f64::from(self.settings.masking) * f64::from(lie.shown.least());
             let inherited = |entry: &LightEvidence| entry.inherited && self.settings.inherit;
             let holds = rising
                 && lie
                     .lights()
                     .all(|entry| entry.clear >= 1 || inherited(entry))
-                && lie.hidden().all(|entry| entry.clear == 0 && !entry.masked)
+                && lie
+                    .hidden()
+                    .all(|entry| entry.clear == 0 && entry.mask.is_none())
                 && masked <= allowed * (1.0 + 1.0e-9)
                 && lie.lights().chain(lie.hidden()).all(counted)
                 && key.depth() <= self.settings.max_depth

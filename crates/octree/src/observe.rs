@@ -86,6 +86,8 @@ pub struct Outcome {
     pub importance: f32,
     /// What they add to the pixel, as luminance: nothing where something is in the way.
     pub luminance: f32,
+    /// What they would add if nothing were in the way, as luminance: 0 where nothing is.
+    pub withheld: f32,
     /// [`ShadowRay::beside`].
     pub beside: f32,
 }
@@ -100,6 +102,7 @@ impl Outcome {
             rays: 1,
             importance: 0.0,
             luminance: 0.0,
+            withheld: 0.0,
             beside: 0.0,
         }
     }

@@ -36,7 +36,8 @@ pub struct LieState {
     /// The lights that reach the cell, in order of their number. One without occluders is
     /// unoccluded.
     pub lights: Vec<LitLight>,
-    /// The lights that are fully occluded or masked, in order of their number.
+    /// The lights that are fully occluded, carry nothing or are masked, in order of their
+    /// number.
     pub hidden: Vec<u32>,
     /// The lights that reach the cell past so much that their shadow rays go through the
     /// scene, in order of their number.
@@ -115,6 +116,12 @@ impl<T> Replica<T> {
             .for_each_leaf_at(points, |leaf| found(&*leaf.value));
     }
 
+    /// The cube that it divides.
+    #[must_use]
+    pub fn cube(&self) -> Cube {
+        self.tree.cube()
+    }
+
     /// The smallest cell around a point.
     #[must_use]
     pub fn key_at(&self, point: Vec3) -> CellKey {
@@ -124,6 +131,16 @@ impl<T> Replica<T> {
     /// Takes in one cell. `compile` turns a leaf into the form wanted here; it is called
     /// only if the state is news.
     pub fn apply(&mut self, state: &CellState, compile: impl FnOnce(&LieState) -> T) {
+        self.apply_or_share(state, |lie| Some(compile(lie)));
+    }
+
+    /// The same, where `compile` gives `None` for what is as good as knowing nothing: all
+    /// such leaves share one value.
+    pub fn apply_or_share(
+        &mut self,
+        state: &CellState,
+        compile: impl FnOnce(&LieState) -> Option<T>,
+    ) {
         match &state.body {
             CellBody::Inner => {
                 if state.key.depth() < CellKey::MAX_DEPTH
@@ -142,9 +159,10 @@ impl<T> Replica<T> {
                 if let Some(leaf) = self.tree.leaf_mut(state.key)
                     && (leaf.version <= state.version)
                 {
+                    let value = compile(lie).map(Arc::new);
                     *leaf = Leaf {
                         version: state.version,
-                        value: Arc::new(compile(lie)),
+                        value: value.unwrap_or_else(|| self.empty.value.clone()),
                     };
                 }
             }
@@ -154,6 +172,12 @@ impl<T> Replica<T> {
     /// Says that every cell of the constructor's version `version` has been applied.
     pub fn reached(&mut self, version: u64) {
         self.version = version;
+    }
+
+    /// Whether a leaf's value is the one that all leaves share of which nothing is known.
+    #[must_use]
+    pub fn is_empty_leaf(&self, value: &T) -> bool {
+        std::ptr::eq(value, &*self.empty.value)
     }
 
     /// Calls `visit` for every leaf.

@@ -78,7 +78,7 @@ proptest! {
         samples in prop::collection::vec(observation(), 0..200), settings in settings(),
         batch in 1usize..50,
     ) {
-        let mut tree = LieTree::new(BOUNDS, settings);
+        let mut tree = LieTree::new(BOUNDS, 6, settings);
         for batch in samples.chunks(batch) {
             tree.record(batch);
         }
@@ -110,7 +110,7 @@ proptest! {
         batches in prop::collection::vec(prop::collection::vec(observation(), 0..30), 1..8),
         settings in settings(), join in 0usize..8, shuffle in any::<u64>(),
     ) {
-        let mut tree = LieTree::new(BOUNDS, settings);
+        let mut tree = LieTree::new(BOUNDS, 6, settings);
         let mut follower = replica(&tree);
         let mut late = None;
         let mut history: Vec<CellState> = vec![];
@@ -149,7 +149,7 @@ proptest! {
     fn a_converged_tree_predicts_what_is(points in prop::collection::vec([-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0], 1..40)) {
         let mut points: Vec<Vec3> = points.into_iter().map(Vec3::from_array).collect();
         let settings = LieSettings { trust: 0, ..LieSettings::default() };
-        let mut tree = LieTree::new(BOUNDS, settings);
+        let mut tree = LieTree::new(BOUNDS, 6, settings);
         let rays: Vec<ShadowRay> = (0..)
             .zip(&points)
             .map(|(point, &from)| ShadowRay { point, ray: Ray::segment(from, 5.0 * Vec3::Y), weight: 2.0, beside: 0.5 })

@@ -28,6 +28,7 @@ mod export;
 mod generate;
 mod geometry;
 mod light;
+mod light_reach;
 mod load;
 mod material;
 mod model;

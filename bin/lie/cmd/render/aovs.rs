@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use glam::Vec3;
-use lie_octree::LieTree;
+use lie_octree::{LieTree, Mask};
 use lie_render::{AovLies, Aovs, CellFacts, FrameSettings, LieLookup, World};
 use lie_scene::Camera;
 
@@ -52,6 +52,9 @@ fn of_tree(tree: &LieTree, point: Vec3) -> CellFacts {
     CellFacts {
         depth: tree.key_at(point).depth(),
         samples: lie.samples(),
-        masked: lie.lights().filter(|entry| entry.masked).count() as u32,
+        masked: lie
+            .lights()
+            .filter(|entry| entry.mask == Some(Mask::LeftOut))
+            .count() as u32,
     }
 }

@@ -96,7 +96,9 @@ impl Builder {
             .num_threads(settings.threads)
             .thread_name(|index| format!("construct-{index}"))
             .build()?;
-        let tree = LieTree::new(world.scene().geometry.bounds(), settings.lie);
+        let scene = world.scene();
+        let lights = scene.lights.len() as u32;
+        let tree = LieTree::new(scene.geometry.bounds(), lights, settings.lie);
         Ok(Self {
             neighbours: Neighbours::new(&world.scene().geometry),
             world,

@@ -198,7 +198,7 @@ mod tests {
                 trust: 2,
                 ..LieSettings::default()
             };
-            let mut tree = LieTree::new(bounds, settings);
+            let mut tree = LieTree::new(bounds, 10, settings);
             let feed = LieFeed::new(tree.clone());
             let subscription = feed.subscribe(1);
             let mut replica = Replica::new(tree.cube(), LieState::default());

@@ -49,7 +49,7 @@ impl<V: Visibility> Observer<'_, V> {
         triangle: u32,
     ) -> Option<bool> {
         let listed = self.listed(place, light);
-        let is_listed = listed.iter().any(|known| known.triangle == triangle);
+        let is_listed = listed.iter().any(|known| known.triangle() == triangle);
         let source = self.scratch.sources[place].clone();
         let found = &self.scratch.found[place];
         let is_long = listed.len() + found.len() > LONG;
@@ -77,7 +77,7 @@ impl<V: Visibility> Observer<'_, V> {
         }
         let gathered = self.world.gather(&aimed[..len]);
         let mut blocked = self.world.blocked_by(triangle, &gathered);
-        let known = listed.iter().map(|known| known.triangle);
+        let known = listed.iter().map(|known| known.triangle());
         for known in known.chain(self.scratch.found[place].iter().copied()) {
             if blocked == 0 {
                 return Some(false);

@@ -12,7 +12,7 @@ use crate::{
 
 /// Known occluders that are asked before the scene: the first that were found are those
 /// that block most.
-const ASKED_FIRST: usize = 8;
+pub(crate) const ASKED_FIRST: usize = 8;
 
 /// Known occluders that are asked once the scene has named a new one: a longer list need not
 /// be the shortest.
@@ -179,7 +179,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
         let first = listed.iter().take(ASKED_FIRST);
         let found = self.scratch.found[place].iter().take(ASKED_FIRST);
         let known = first
-            .map(|occluder| (occluder.triangle, true))
+            .map(|occluder| (occluder.triangle(), true))
             .chain(found.map(|&triangle| (triangle, false)));
         for (triangle, is_listed) in known {
             if open == 0 {
@@ -222,14 +222,14 @@ impl<'a, V: Visibility> Observer<'a, V> {
             blocker: Some(triangle),
             is_listed,
         };
-        if listed.iter().any(|occluder| occluder.triangle == blocker) {
+        if listed.iter().any(|occluder| occluder.triangle() == blocker) {
             return fate(blocker, true);
         }
         let alone = self.world.gather(&[ray.ray]);
         let blocks = |triangle: u32| self.world.blocked_by(triangle, &alone) != 0;
         let rest = listed.iter().skip(ASKED_FIRST).take(ASKED_THEN);
         if let Some(known) = rest
-            .map(|known| known.triangle)
+            .map(|known| known.triangle())
             .find(|&known| blocks(known))
         {
             return fate(known, true);
@@ -306,9 +306,9 @@ fn count(
 ) {
     let first = outcomes.len();
     for (ray, fate) in rays.iter().zip(fates) {
-        let luminance = match fate.blocker {
-            None => ray.weight,
-            Some(_) => 0.0,
+        let (luminance, withheld) = match fate.blocker {
+            None => (ray.weight, 0.0),
+            Some(_) => (0.0, ray.weight),
         };
         let same = outcomes[first..]
             .iter_mut()
@@ -317,11 +317,13 @@ fn count(
             Some(outcome) => {
                 outcome.rays += 1;
                 outcome.luminance += luminance;
+                outcome.withheld += withheld;
             }
             None => outcomes.push(Outcome {
                 blocker: fate.blocker,
                 importance,
                 luminance,
+                withheld,
                 beside: ray.beside,
                 ..Outcome::of(light)
             }),
