@@ -186,7 +186,7 @@ fn occluder_lists(criterion: &mut Criterion) {
 
 /// LIEs of the film's view after some passes over it.
 fn construct(world: &Arc<World>) -> Builder {
-    let mut settings = ConstructSettings::new(&world.scene().settings);
+    let mut settings = ConstructSettings::new(world.scene());
     // As in the paper: what is known is used, so that every kind of light is met.
     settings.lie.trust = 0;
     let view = View {

@@ -318,7 +318,7 @@ fn frames_of_this_process(home: &Path) -> [Vec<u8>; 2] {
     };
     let walk = &scene.walkthroughs[0];
     let cameras = [0.0, walk.duration_s()].map(|time_s| walk.camera_at(time_s));
-    let mut builder = Builder::new(world.clone(), ConstructSettings::new(&scene.settings)).unwrap();
+    let mut builder = Builder::new(world.clone(), ConstructSettings::new(&scene)).unwrap();
     let view = View {
         camera: cameras[0].clone(),
         size: settings.size,

@@ -28,7 +28,7 @@ fn the_mosque_over_its_tour() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/mosque");
     let scene = Arc::new(lie_scene::load(&folder).unwrap().scene);
     let world = Arc::new(World::new(scene.clone()));
-    let settings = ConstructSettings::new(&scene.settings);
+    let settings = ConstructSettings::new(&scene);
     let mut builder = Builder::new(world.clone(), settings).unwrap();
     let tour = &scene.walkthroughs[0];
     println!(" time  cells   lights  occluders   tree MB  shader MB");

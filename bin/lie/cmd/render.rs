@@ -105,7 +105,9 @@ pub(crate) struct Construction {
     /// Levels below the root that the octree may reach, 1 to 20; the scene's by default.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=20), value_name = "N")]
     max_depth: Option<u32>,
-    /// Occluders in a cell above which it splits; the scene's setting by default.
+    /// Occluders in a cell above which it splits. By default the scene's setting, or 24 divided
+    /// by the rays that a point sends to a light, in the mean: sample points on an area light
+    /// each need one.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     split: Option<u32>,
     /// Samples that must come from a cell at once for it to split: cells of a few pixels
@@ -153,7 +155,7 @@ impl Construction {
 
     /// Settings for a scene, with what the command line says.
     pub(crate) fn settings(&self, scene: &lie_scene::Scene) -> ConstructSettings {
-        let mut settings = ConstructSettings::new(&scene.settings);
+        let mut settings = ConstructSettings::new(&scene);
         settings.lie.trust = self.trust.unwrap_or(settings.lie.trust);
         settings.lie.split_samples = self.split_samples.unwrap_or(settings.lie.split_samples);
         settings.lie.crowd = self.crowd.unwrap_or(settings.lie.crowd);

@@ -23,7 +23,7 @@
 //! let camera = scene.cameras[0].clone();
 //! let size = glam::UVec2::splat(512);
 //! let stage = Stage::new("scenes/bar", scene, camera, size, AccelKind::default());
-//! let settings = ConstructSettings::new(&stage.world().scene().settings);
+//! let settings = ConstructSettings::new(stage.world().scene());
 //! let effort = Effort::UntilConverged { max_passes: 64 };
 //! let lineup = Lineup::construct(&stage, Contender::ALL, settings, effort, &|_, _| {})?;
 //! let config = FramesConfig { threads: vec![1, 2], repeat: 3 };

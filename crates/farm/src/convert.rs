@@ -106,7 +106,7 @@ pub fn wire_settings(settings: &RenderSettings) -> WireRenderSettings {
         light_samples: settings.light_samples,
         exposure_stops: settings.exposure_stops,
         max_depth: settings.max_depth,
-        split_threshold: settings.split_threshold,
+        split_threshold: settings.split_threshold.unwrap_or(0),
     }
 }
 
@@ -119,7 +119,7 @@ pub fn settings(settings: &WireRenderSettings) -> RenderSettings {
         light_samples: settings.light_samples,
         exposure_stops: settings.exposure_stops,
         max_depth: settings.max_depth,
-        split_threshold: settings.split_threshold,
+        split_threshold: (settings.split_threshold != 0).then_some(settings.split_threshold),
     }
 }
 

@@ -63,7 +63,7 @@ pub struct WireRenderSettings {
     pub exposure_stops: f32,
     /// Levels below the octree's root.
     pub max_depth: u32,
-    /// Sum of occluders above which a cell splits.
+    /// Sum of occluders above which a cell splits; 0 leaves it to the constructor's rule.
     pub split_threshold: u32,
 }
 

@@ -48,8 +48,9 @@ pub struct RenderSettings {
     pub exposure_stops: f32,
     /// Levels below the root that the octree may reach.
     pub max_depth: u32,
-    /// Sum of occluders in a cell above which it splits.
-    pub split_threshold: u32,
+    /// Sum of occluders in a cell above which it splits; `None` leaves it to
+    /// [`Scene::split_threshold`].
+    pub split_threshold: Option<u32>,
 }
 
 impl Default for RenderSettings {
@@ -60,7 +61,7 @@ impl Default for RenderSettings {
             light_samples: 16,
             exposure_stops: 0.0,
             max_depth: 9,
-            split_threshold: 24,
+            split_threshold: None,
         }
     }
 }
@@ -98,6 +99,26 @@ pub enum SceneError {
 }
 
 impl Scene {
+    /// Rays that a surface point may send past occluders before its cell splits.
+    const RAYS_PAST_OCCLUDERS: f32 = 24.0;
+
+    /// The sum of occluders in a cell above which it splits: the scene's own, or as many as
+    /// cost the same whatever the lights are. A point sends one ray past the occluders of a
+    /// light without extent, and one for each sample point past those of an area light.
+    #[must_use]
+    pub fn split_threshold(&self) -> u32 {
+        let rays = |light: &Light| match light.is_delta() {
+            true => 1,
+            false => u64::from(self.settings.light_samples),
+        };
+        let all: u64 = self.lights.iter().map(rays).sum();
+        let mean = all as f32 / self.lights.len().max(1) as f32;
+        let usual = (Self::RAYS_PAST_OCCLUDERS / mean.max(1.0)).round();
+        self.settings
+            .split_threshold
+            .unwrap_or((usual as u32).max(1))
+    }
+
     /// Checks the invariants that no constructor has checked.
     ///
     /// # Errors
@@ -229,7 +250,7 @@ impl RenderSettings {
             "the octree's maximum depth is outside 1 to 20",
         )?;
         check(
-            self.split_threshold >= 1,
+            self.split_threshold != Some(0),
             what,
             "the split threshold is zero",
         )?;
@@ -312,5 +333,23 @@ fn check_index(
             index,
             count,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_of_area_lights_split_sooner_by_default() {
+        let mut scene = crate::cornell_box();
+        scene.settings.light_samples = 64;
+        assert_eq!(scene.split_threshold(), 1);
+        scene.settings.light_samples = 6;
+        assert_eq!(scene.split_threshold(), 4);
+        scene.lights.clear();
+        assert_eq!(scene.split_threshold(), 24);
+        scene.settings.split_threshold = Some(7);
+        assert_eq!(scene.split_threshold(), 7);
     }
 }

@@ -33,11 +33,11 @@ impl ConstructSettings {
 
     /// Settings for a scene, with the scene's own depth and threshold.
     #[must_use]
-    pub fn new(settings: &lie_scene::RenderSettings) -> Self {
+    pub fn new(scene: &lie_scene::Scene) -> Self {
         Self {
             lie: LieSettings {
-                max_depth: settings.max_depth,
-                split_threshold: settings.split_threshold,
+                max_depth: scene.settings.max_depth,
+                split_threshold: scene.split_threshold(),
                 ..LieSettings::default()
             },
             seed: 0,

@@ -273,7 +273,7 @@ impl SettingsEntry {
             light_samples: self.light_samples.unwrap_or(usual.light_samples),
             exposure_stops: self.exposure_stops.unwrap_or(usual.exposure_stops),
             max_depth: self.max_depth.unwrap_or(usual.max_depth),
-            split_threshold: self.split_threshold.unwrap_or(usual.split_threshold),
+            split_threshold: self.split_threshold,
         }
     }
 }
