@@ -155,7 +155,7 @@ impl Construction {
 
     /// Settings for a scene, with what the command line says.
     pub(crate) fn settings(&self, scene: &lie_scene::Scene) -> ConstructSettings {
-        let mut settings = ConstructSettings::new(&scene);
+        let mut settings = ConstructSettings::new(scene);
         settings.lie.trust = self.trust.unwrap_or(settings.lie.trust);
         settings.lie.split_samples = self.split_samples.unwrap_or(settings.lie.split_samples);
         settings.lie.crowd = self.crowd.unwrap_or(settings.lie.crowd);

@@ -154,7 +154,7 @@ mod tests {
             beyond += 1;
             for index in 0..200 {
                 let point = center + 2.0 * half * vector(key.mix(3), index);
-                let square = Vec2::from(key.mix(4).uniform2(index));
+                let square = key.mix(4).uniform2(index);
                 assert_eq!(light.sample(point, square, 100.0), None, "seed {seed}");
             }
         }

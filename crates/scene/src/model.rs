@@ -338,7 +338,7 @@ fn check_index(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    
 
     #[test]
     fn cells_of_area_lights_split_sooner_by_default() {
