@@ -98,7 +98,6 @@ impl Cone {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec2;
     use lie_geom::RandomKey;
 
     use super::*;

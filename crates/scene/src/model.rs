@@ -338,7 +338,6 @@ fn check_index(
 
 #[cfg(test)]
 mod tests {
-    
 
     #[test]
     fn cells_of_area_lights_split_sooner_by_default() {
