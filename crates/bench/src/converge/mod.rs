@@ -8,6 +8,7 @@ mod walk;
 use std::time::Duration;
 
 use lie_farm::{ConstructSettings, LieReplica};
+use lie_octree::LieSettings;
 use lie_render::Film;
 use lie_scene::Walkthrough;
 
@@ -40,11 +41,14 @@ impl Mode {
         }
     }
 
-    /// Construction in this mode, otherwise as it is in mode trust.
+    /// Construction in this mode, otherwise as these settings have it. Where they trust
+    /// everything, mode trust has the usual trust.
     fn settings(self, mut settings: ConstructSettings) -> ConstructSettings {
-        if self == Self::Paper {
-            settings.lie.trust = 0;
-        }
+        settings.lie.trust = match (self, settings.lie.trust) {
+            (Self::Paper, _) => 0,
+            (Self::Trust, 0) => LieSettings::default().trust,
+            (Self::Trust, trust) => trust,
+        };
         settings
     }
 }
@@ -52,7 +56,7 @@ impl Mode {
 /// What is measured of each scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConvergeConfig {
-    /// Construction in mode trust; mode paper is the same without doubt.
+    /// Construction; the modes differ in what is trusted.
     pub construct: ConstructSettings,
     /// Threads that render.
     pub threads: usize,
