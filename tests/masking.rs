@@ -50,10 +50,11 @@ fn what_is_masked_is_not_seen() {
         assert!(figures.differing > 0.0, "trust {trust}: {count} masked");
         assert!(figures.flip_mean < 0.01, "trust {trust}: {figures:?}");
         assert!(figures.relative_rmse < 0.02, "trust {trust}: {figures:?}");
-        // Masks only take away, and take about as much as allowed at most.
+        // Shadows are left out, or lights: either way about as much as allowed at most.
         for (masked, full) in masked.radiance().iter().zip(full.radiance()) {
             let (masked, full) = (masked.element_sum(), full.element_sum());
-            assert!(masked <= full * 1.0001, "trust {trust}: {masked} {full}");
+            let error = (masked - full).abs();
+            assert!(error <= 0.025 * full, "trust {trust}: {masked} {full}");
         }
     }
 }

@@ -118,9 +118,9 @@ pub(crate) struct Construction {
     /// which is cheaper then; the paper has no such limit.
     #[arg(long, value_name = "N")]
     crowd: Option<u32>,
-    /// Leave out lights that others outshine: of each cell those that together give at most
-    /// this share of its darkest point's light. 0.02 is the paper's; 0, the default, leaves
-    /// out none.
+    /// Leave out shadows that nobody sees: in each cell those of lights that others outshine,
+    /// as long as all that is wrong by it is at most this share of its darkest point's light.
+    /// 0.02 is the paper's; 0, the default, leaves out none.
     #[arg(long, value_parser = args::share, allow_negative_numbers = true, value_name = "FRACTION")]
     masking: Option<f32>,
     /// Let the parts of a cell that splits start from nothing, as in the paper, instead of
