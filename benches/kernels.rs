@@ -11,9 +11,9 @@ use std::{hint::black_box, sync::Arc, sync::atomic::AtomicBool, time::Duration};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{UVec2, Vec2, Vec3};
-use lie_accel::{AccelKind, PACKET, RayPacket};
+use lie_accel::{AccelKind, BlockPart, FanOccluders, OccluderBlocks, PACKET, RayPacket};
 use lie_farm::{Builder, ConstructSettings, LieReplica, View};
-use lie_geom::{RandomKey, Ray};
+use lie_geom::{Aabb, RandomKey, Ray};
 use lie_octree::{CellBody, LieTree};
 use lie_render::{FrameSettings, LieLookup, Tile, World, render_tile};
 use lie_scene::Surface;
@@ -164,24 +164,59 @@ fn occluder_lists(criterion: &mut Criterion) {
     let packets = packets(&shadow_rays);
     let mut group = criterion.benchmark_group("occluder lists");
     group.throughput(Throughput::Elements(shadow_rays.len() as u64));
-    for length in [1, 8, 24] {
+    for length in [1, 8, 24, 96] {
         let stride = (blockers.len() / length).max(1);
-        let list: Vec<u32> = blockers
-            .iter()
-            .copied()
-            .step_by(stride)
-            .take(length)
-            .collect();
-        group.bench_function(format!("{} triangles", list.len()), |bencher| {
+        let list = blockers.iter().copied().step_by(stride).take(length);
+        let list: Vec<u32> = list.collect();
+        let shapes = list.iter().map(|&index| *world.triangle(index).unwrap());
+        let mut blocks = OccluderBlocks::default();
+        blocks.fill(&list, &shapes.collect::<Vec<_>>());
+        let parts = list
+            .chunks(PACKET)
+            .zip(0..)
+            .map(|(chunk, block)| BlockPart {
+                block,
+                places: ((1u32 << chunk.len()) - 1) as u16,
+            });
+        let parts: Vec<BlockPart> = parts.collect();
+        group.bench_function(format!("{length} triangles, any rays"), |bencher| {
             bencher.iter(|| -> u32 {
                 let blocked = packets
                     .iter()
-                    .map(|packet| world.blocked_by_any(&list, packet));
+                    .map(|packet| packet.blocked_by_parts(&blocks, &parts, None));
+                blocked.map(u32::count_ones).sum()
+            });
+        });
+        let apex = shadow_rays[0].at(1.0);
+        let fans: Vec<(RayPacket, Aabb)> = shadow_rays
+            .chunks(PACKET)
+            .map(|rays| fan(apex, rays))
+            .collect();
+        group.bench_function(format!("{length} triangles, from one light"), |bencher| {
+            let mut seen = FanOccluders::default();
+            bencher.iter(|| -> u32 {
+                seen.look_from(apex.to_array(), &blocks, &parts);
+                let blocked = fans
+                    .iter()
+                    .map(|(packet, ends)| packet.blocked_by_fan(&seen, *ends, None));
                 blocked.map(u32::count_ones).sum()
             });
         });
     }
     group.finish();
+}
+
+/// The rays from a light to where some rays start, and a box around those places.
+fn fan(apex: Vec3, rays: &[Ray]) -> (RayPacket, Aabb) {
+    let mut ends = [[0.0; PACKET]; 3];
+    for (lane, ray) in rays.iter().enumerate() {
+        for axis in 0..3 {
+            ends[axis][lane] = ray.origin[axis];
+        }
+    }
+    let lanes = (1u32 << rays.len()) - 1;
+    let bounds = Aabb::around(rays.iter().map(|ray| ray.origin));
+    (RayPacket::fan(apex.to_array(), &ends, lanes), bounds)
 }
 
 /// LIEs of the film's view after some passes over it.

@@ -42,7 +42,7 @@ pub use bvh::{Bvh, BvhStats};
 pub use cutout::Cutout;
 pub use grid::{GridStats, TwoLevelGrid};
 pub use kind::AccelKind;
-pub use packet::{PACKET, RayPacket};
+pub use packet::{BlockPart, FanOccluders, OccluderBlocks, PACKET, RayPacket};
 
 use lie_geom::{Hit, Ray};
 

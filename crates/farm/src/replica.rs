@@ -161,7 +161,7 @@ fn compile(world: &World, settings: LieSettings, bounds: Aabb, lie: &LieState) -
             || lie.hidden.binary_search(light).is_ok()
     };
     let traced = if settings.trust == 0 {
-        lie.crowded.clone()
+        lie.crowded.iter().copied().collect()
     } else {
         (0..scene.lights.len() as u32)
             .filter(|light| !is_known(light))
@@ -170,5 +170,5 @@ fn compile(world: &World, settings: LieSettings, bounds: Aabb, lie: &LieState) -
     };
     let lights = lie.lights.iter();
     let lights = lights.map(|entry| (entry.light, &entry.occluders[..]));
-    LieCell::new(world, lights, traced)
+    LieCell::new(lights, traced)
 }

@@ -10,8 +10,7 @@ pub struct LightEvidence {
     pub clear: u16,
     /// Rays that did not.
     pub blocked: u16,
-    /// Rays that agreed with what was known, since one last added to it, and samples that it
-    /// could carry nothing to.
+    /// Rays that agreed with what was known, since one last added to it.
     pub agreed: u16,
     /// Largest [`Outcome::importance`] so far, in parts of 255, rounded up.
     importance: u8,
@@ -157,11 +156,6 @@ impl LightEvidence {
     pub(crate) fn matter(&mut self, importance: f32) {
         // `as` saturates.
         self.importance = self.importance.max((importance * 255.0).ceil() as u8);
-    }
-
-    /// Takes in samples that it could carry nothing to.
-    pub(crate) fn agree(&mut self, samples: u32) {
-        self.agreed = self.agreed.saturating_add(saturated(samples));
     }
 
     /// Whether as many rays agree as the light's importance asks for: in proportion to it,

@@ -34,10 +34,6 @@ pub enum Standing<'a> {
 /// worth more than the next ray.
 const PER_SAMPLE: u32 = 2;
 
-/// What a light that was never seen to carry anything to a cell counts as, where it might:
-/// nobody knows how much of a pixel's light it would give.
-const UNSEEN: f32 = 0.25;
-
 /// A plane through a cell leaves a surface in one of its parts about so much of its samples.
 pub(crate) const QUARTER: u32 = 4;
 
@@ -82,7 +78,7 @@ impl Lie {
     /// Whether lights that it has no evidence of are known to give it nothing: they shine
     /// elsewhere, or its surfaces face away.
     fn is_dark_known(&self, trust: u32) -> bool {
-        self.dark as f32 >= trust as f32 * UNSEEN
+        self.dark >= trust
     }
 
     /// The lights that reach the cell, in order of their number.
@@ -151,7 +147,6 @@ impl Lie {
             self.dark = self.dark.saturating_add(1);
             self.shown.record(seen);
         }
-        self.record_dark(samples.clone());
         let lights = samples.clone().flat_map(by_light);
         let outcomes = samples.flat_map(|seen| &seen.outcomes);
         for outcome in outcomes.clone() {
@@ -176,24 +171,6 @@ impl Lie {
         }
         self.lights.shrink_to_fit();
         self.mask(settings);
-    }
-
-    /// Samples that a light carries nothing to are right whatever is known of it: they agree.
-    /// Whatever the others teach comes after.
-    fn record_dark<'a>(&mut self, samples: impl Iterator<Item = &'a Observation>) {
-        let mut carried = vec![0u32; self.lights.len()];
-        let mut all = 0;
-        for seen in samples {
-            all += 1;
-            for outcomes in by_light(seen) {
-                if let Ok(place) = self.place(outcomes[0].light) {
-                    carried[place] += 1;
-                }
-            }
-        }
-        for (entry, carried) in self.lights.iter_mut().zip(carried) {
-            entry.agree(all - carried.min(all));
-        }
     }
 
     /// Where a light's evidence is, or would be.
@@ -359,7 +336,7 @@ mod tests {
         record(&mut lie, &[(0, SEEN), (1, Some(7))]);
         assert_eq!(standing(&lie, 0, 2), "lit");
         assert_eq!(standing(&lie, 1, 2), "hidden");
-        assert_eq!(standing(&lie, 9, 12), "doubtful");
+        assert_eq!(standing(&lie, 9, 3), "doubtful");
         assert_eq!(standing(&lie, 9, 0), "hidden");
         let known = lie.state(2, 2);
         assert_eq!((known.lights.len(), &known.hidden[..]), (1, &[1][..]));
@@ -379,36 +356,21 @@ mod tests {
         for _ in 0..15 {
             record(&mut lie, &[(1, SEEN)]);
         }
-        assert_eq!(standing(&lie, 3, 64), "doubtful");
+        assert_eq!(standing(&lie, 3, 16), "doubtful");
         record(&mut lie, &[(1, SEEN)]);
-        assert_eq!(standing(&lie, 3, 64), "hidden");
-        assert_eq!(lie.state(64, 5).hidden, [0, 2, 3, 4]);
+        assert_eq!(standing(&lie, 3, 16), "hidden");
+        assert_eq!(lie.state(16, 5).hidden, [0, 2, 3, 4]);
         let mut part = lie.part(1);
         assert_eq!(
-            part.state(16, 5),
+            part.state(4, 5),
             LieState::default(),
             "without samples of its own"
         );
         record(&mut part, &[]);
-        assert_eq!(part.state(16, 5).hidden, [0, 2, 3, 4]);
+        assert_eq!(part.state(5, 5).hidden, [0, 2, 3, 4]);
         record(&mut lie, &[(3, SEEN)]);
-        assert_eq!(standing(&lie, 3, 64), "doubtful");
-        assert_eq!(lie.state(64, 5).hidden, [0, 2, 4]);
-    }
-
-    #[test]
-    fn a_sample_that_a_light_carries_nothing_to_agrees() {
-        let mut lie = Lie::default();
-        record(&mut lie, &[(0, SEEN), (1, Some(7))]);
-        record(&mut lie, &[]);
-        assert_eq!(standing(&lie, 0, 2), "lit");
-        assert_eq!(standing(&lie, 1, 2), "hidden");
-        record(&mut lie, &[(0, Some(3)), (1, SEEN)]);
-        assert_eq!(standing(&lie, 0, 2), "doubtful");
-        record(&mut lie, &[]);
-        assert_eq!(standing(&lie, 0, 2), "doubtful");
-        record(&mut lie, &[]);
-        assert_eq!(standing(&lie, 0, 2), "lit");
+        assert_eq!(standing(&lie, 3, 16), "doubtful");
+        assert_eq!(lie.state(16, 5).hidden, [0, 2, 4]);
     }
 
     #[test]

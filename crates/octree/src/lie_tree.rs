@@ -41,10 +41,10 @@ impl Default for LieSettings {
         Self {
             max_depth: 9,
             split_threshold: 24,
-            split_samples: 32,
+            split_samples: 64,
             trust: 512,
             inherit: true,
-            crowd: 64,
+            crowd: 256,
             masking: 0.0,
         }
     }

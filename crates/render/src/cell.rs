@@ -1,54 +1,38 @@
 use glam::Vec3;
 
-use crate::World;
+use crate::{LightSet, OccluderLists};
 
 /// A local illumination environment in the form that shading wants (LIE §4.2). A light of
 /// the scene that is in none of the lists is fully occluded, or masked.
 #[derive(Clone, Debug, Default)]
 pub struct LieCell {
-    /// Lights that every surface point in the cell sees whole, by number.
-    pub unoccluded: Vec<u32>,
+    /// Lights that every surface point in the cell sees whole.
+    pub unoccluded: LightSet,
     /// Lights that some points do not see whole.
-    pub partial: Vec<LieLight>,
+    pub partial: OccluderLists,
     /// Lights whose shadow rays go through the scene, since too little is known of them or
-    /// too much is in the way, in rising order.
-    pub traced: Vec<u32>,
-}
-
-/// A partially occluded light.
-#[derive(Clone, Debug, Default)]
-pub struct LieLight {
-    /// Number of the light in the scene.
-    pub light: u32,
-    /// Triangles that may be in the way. Sixteen rays are tested against one at a time: its
-    /// number is enough.
-    pub occluders: Box<[u32]>,
+    /// too much is in the way.
+    pub traced: LightSet,
 }
 
 impl LieCell {
-    /// The form for shading of an LIE: lights with their occluders, and lights that are
-    /// traced. Triangles that the scene does not have are left out.
+    /// The form for shading of an LIE: lights with their occluders, in order of the lights'
+    /// numbers, and lights that are traced.
     #[must_use]
-    pub fn new<'a>(
-        world: &World,
-        lights: impl Iterator<Item = (u32, &'a [u32])>,
-        traced: Vec<u32>,
-    ) -> Self {
-        let scene = world.scene();
-        let mut cell = Self {
-            traced,
-            ..Self::default()
-        };
+    pub fn new<'a>(lights: impl Iterator<Item = (u32, &'a [u32])>, traced: LightSet) -> Self {
+        let (mut unoccluded, mut partial) = (vec![], vec![]);
         for (light, occluders) in lights {
             if occluders.is_empty() {
-                cell.unoccluded.push(light);
-                continue;
+                unoccluded.push(light);
+            } else {
+                partial.push((light, occluders.to_vec()));
             }
-            let exists = |triangle: &u32| (*triangle as usize) < scene.geometry.len();
-            let occluders = occluders.iter().copied().filter(exists).collect();
-            cell.partial.push(LieLight { light, occluders });
         }
-        cell
+        Self {
+            unoccluded: unoccluded.into_iter().collect(),
+            partial: OccluderLists::new(&partial),
+            traced,
+        }
     }
 
     /// Lights that are shaded without asking the scene.
@@ -60,14 +44,7 @@ impl LieCell {
     /// Memory in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let lists = self.partial.iter();
-        size_of::<Self>()
-            + size_of_val(&self.unoccluded[..])
-            + size_of_val(&self.partial[..])
-            + size_of_val(&self.traced[..])
-            + lists
-                .map(|entry| size_of_val(&entry.occluders[..]))
-                .sum::<usize>()
+        size_of::<Self>() + self.unoccluded.bytes() + self.partial.bytes() + self.traced.bytes()
     }
 }
 

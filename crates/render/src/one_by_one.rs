@@ -2,9 +2,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 
+use lie_accel::RayPacket;
+
 use crate::{
-    LieCell, LightRay, World, light_rays::LightPoints, shadow_queue::ShadowQueue,
-    tile_renderer::ShadingPoint, ward,
+    LieCell, LightRay, World, light_rays::LightPoints, occluder_lists::OpenLists,
+    shadow_queue::ShadowQueue, tile_renderer::ShadingPoint, ward,
 };
 
 /// Light that is gathered point by point: directional lights, rays along smooth surfaces'
@@ -19,53 +21,53 @@ pub(crate) struct OneByOne<'a> {
 impl OneByOne<'_> {
     /// Unoccluded directional lights: no rays at all.
     pub(crate) fn unoccluded(&self, sums: &mut [Vec3]) {
-        self.for_each(
-            |cell| cell.unoccluded.iter().copied(),
-            |pixel, _, ray| sums[pixel] += ray.radiance,
-        );
+        for &light in self.world.other_lights() {
+            for point in self.points {
+                if point
+                    .cell
+                    .is_some_and(|cell| cell.unoccluded.contains(light))
+                {
+                    let add = |ray: LightRay| sums[point.pixel] += ray.radiance;
+                    self.world
+                        .for_each_light_ray(light, &self.light_points(point), add);
+                }
+            }
+        }
     }
 
     /// Partially occluded directional lights. How many rays, and triangles in their lists.
-    pub(crate) fn partial(&self, sums: &mut [Vec3]) -> (u64, u64) {
+    pub(crate) fn partial(&self, lists: &mut OpenLists, sums: &mut [Vec3]) -> (u64, u64) {
         let (mut rays, mut tests) = (0, 0);
-        self.for_each(
-            |cell| cell.partial.iter().map(|entry| entry.light),
-            |pixel, cell, light_ray| {
-                let entry = cell
-                    .partial
-                    .iter()
-                    .find(|entry| entry.light == light_ray.light);
-                let occluders = entry.map_or(&[][..], |entry| &entry.occluders);
-                rays += 1;
-                tests += occluders.len() as u64;
-                if !self.world.is_blocked_by_any(occluders, &light_ray.ray) {
-                    sums[pixel] += light_ray.radiance;
-                }
-            },
-        );
-        (rays, tests)
-    }
-
-    /// Calls `found` with the ray to each directional light that `lights` names of a point's
-    /// cell.
-    fn for_each<'s, I: Iterator<Item = u32>>(
-        &'s self,
-        lights: impl Fn(&'s LieCell) -> I,
-        mut found: impl FnMut(usize, &'s LieCell, LightRay),
-    ) {
-        if self.world.other_lights().is_empty() {
-            return;
+        let others = self.world.other_lights();
+        if others.is_empty() {
+            return (rays, tests);
         }
+        let mut opened = None;
         for point in self.points {
             let Some(cell) = point.cell else { continue };
-            let others = self.world.other_lights();
-            for light in lights(cell).filter(|light| others.contains(light)) {
+            // Neighbours mostly share a cell.
+            if !opened.is_some_and(|before| std::ptr::eq(before, cell)) {
+                lists.open(&cell.partial, self.world.scene().geometry.shapes());
+                opened = Some(cell);
+            }
+            for list in lists
+                .lights
+                .iter()
+                .filter(|list| others.contains(&list.light))
+            {
+                let trace = |ray: LightRay| {
+                    rays += 1;
+                    tests += list.occluders;
+                    let packet = RayPacket::new(&[ray.ray]);
+                    if lists.blocked(list, &packet, self.world.cutout()) == 0 {
+                        sums[point.pixel] += ray.radiance;
+                    }
+                };
                 self.world
-                    .for_each_light_ray(light, &self.light_points(point), |ray| {
-                        found(point.pixel, cell, ray);
-                    });
+                    .for_each_light_ray(list.light, &self.light_points(point), trace);
             }
         }
+        (rays, tests)
     }
 
     /// Rays through the whole scene: those left over, those to doubtful directional lights or
@@ -83,7 +85,7 @@ impl OneByOne<'_> {
         let others = self.world.other_lights();
         for &light in others {
             for point in self.points {
-                let is_traced = |cell: &LieCell| cell.traced.contains(&light);
+                let is_traced = |cell: &LieCell| cell.traced.contains(light);
                 if point.cell.is_none_or(is_traced) {
                     let trace = |ray: LightRay| queue.push(&ray, point.pixel, sums);
                     self.world

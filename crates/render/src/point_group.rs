@@ -1,13 +1,15 @@
 use glam::Vec3;
-use lie_accel::{PACKET, RayPacket};
+use lie_accel::{FanOccluders, PACKET, RayPacket};
 use lie_geom::{Ray, sampling};
 use lie_scene::AreaLight;
+use multiversion::multiversion;
 
 use crate::{
     LieCell, LightRay, RenderStats, World,
     area_lanes::{self, AreaLanes, AreaSampling},
     delta_lanes::DeltaLight,
     light_rays::is_simple,
+    occluder_lists::OpenLists,
     point_lanes::{Lanes, PointLanes, RadianceLanes, carrying},
     tile_renderer::ShadingPoint,
     world::LightForm,
@@ -23,6 +25,14 @@ pub(crate) struct GroupWork<'a> {
     pub(crate) sums: &'a mut [Vec3],
     /// Rays that must go through the scene whatever the cell says, with their pixels.
     pub(crate) exact: &'a mut Vec<(usize, LightRay)>,
+}
+
+/// What partially occluded lights are worked out in; kept for what it has allocated.
+#[derive(Default)]
+pub(crate) struct ListScratch {
+    pub(crate) lists: OpenLists,
+    seen: FanOccluders,
+    totals: Vec<RadianceLanes>,
 }
 
 /// Up to sixteen shading points of one cell, or neighbours where there are no cells.
@@ -78,7 +88,7 @@ impl<'a> PointGroup<'a> {
     pub(crate) fn unoccluded(&self, work: &mut GroupWork<'_>) {
         let Some(cell) = self.cell else { return };
         let mut total = self.take(work.sums);
-        for &light in &cell.unoccluded {
+        for light in cell.unoccluded.iter() {
             match work.world.light_form(light) {
                 LightForm::Delta(light) => add(&mut total, &light.shade(&self.points), u32::MAX),
                 LightForm::Area(area) => {
@@ -90,32 +100,62 @@ impl<'a> PointGroup<'a> {
         self.give(&total, work.sums);
     }
 
-    /// Partially occluded lights: rays against the occluders alone, but for exact ones.
-    pub(crate) fn partial(&self, work: &mut GroupWork<'_>) {
-        let Some(cell) = self.cell else { return };
+    /// Partially occluded lights of groups that share a cell: rays against the occluders alone,
+    /// but for exact ones.
+    pub(crate) fn partial(groups: &[Self], work: &mut GroupWork<'_>, scratch: &mut ListScratch) {
+        let Some(cell) = groups.first().and_then(|group| group.cell) else {
+            return;
+        };
         let world = work.world;
-        let mut total = self.take(work.sums);
-        for entry in &cell.partial {
-            let blocked = |rays: &RayPacket| world.blocked_by_any(&entry.occluders, rays);
-            let rays = match world.light_form(entry.light) {
-                LightForm::Delta(light) => self.delta_lit(light, &mut total, blocked),
-                LightForm::Area(area) => {
-                    let blocked = |sample: &AreaLanes, lit| blocked(&self.segments(sample, lit));
-                    self.area_lit(entry.light, area, &mut total, work, blocked)
+        let ListScratch {
+            lists,
+            seen,
+            totals,
+        } = scratch;
+        lists.open(&cell.partial, world.scene().geometry.shapes());
+        totals.clear();
+        totals.extend(groups.iter().map(|group| group.take(work.sums)));
+        for list in &lists.lights {
+            let mut rays = 0;
+            match world.light_form(list.light) {
+                LightForm::Delta(light) => {
+                    seen.look_from(light.position, &lists.blocks, lists.parts(list));
+                    for (group, total) in groups.iter().zip(&mut *totals) {
+                        let ends = group.points.origins;
+                        rays += group.delta_lit(light, total, |rays| {
+                            rays.blocked_by_fan(seen, ends, world.cutout())
+                        });
+                    }
                 }
-                LightForm::Other => 0,
-            };
+                LightForm::Area(area) => {
+                    for (group, total) in groups.iter().zip(&mut *totals) {
+                        let blocked = |sample: &AreaLanes, lit| {
+                            lists.blocked(list, &group.segments(sample, lit), world.cutout())
+                        };
+                        rays += group.area_lit(list.light, area, total, work, blocked);
+                    }
+                }
+                LightForm::Other => {}
+            }
             work.stats.list_rays += rays;
-            work.stats.occluder_tests += rays * entry.occluders.len() as u64;
+            work.stats.occluder_tests += rays * list.occluders;
         }
-        self.give(&total, work.sums);
+        for (group, total) in groups.iter().zip(totals) {
+            group.give(total, work.sums);
+        }
+    }
+
+    /// Whether another group's points lie in the same cell.
+    pub(crate) fn shares_cell(&self, other: &Self) -> bool {
+        let place = |group: &Self| group.cell.map(std::ptr::from_ref);
+        place(self) == place(other)
     }
 
     /// Lights that too little is known of, or all if there is no cell: rays through the scene.
     pub(crate) fn traced(&self, work: &mut GroupWork<'_>) {
         let world = work.world;
         let mut total = self.take(work.sums);
-        let mut trace = |light: u32| {
+        let trace = |light: u32| {
             let blocked = |rays: &RayPacket| world.accel().blocked_packet(rays);
             work.stats.shadow_rays += match world.light_form(light) {
                 LightForm::Delta(light) => self.delta_lit(light, &mut total, blocked),
@@ -126,7 +166,7 @@ impl<'a> PointGroup<'a> {
             };
         };
         match self.cell {
-            Some(cell) => cell.traced.iter().for_each(|&light| trace(light)),
+            Some(cell) => cell.traced.iter().for_each(trace),
             None => (0..world.scene().lights.len() as u32).for_each(trace),
         }
         self.give(&total, work.sums);
@@ -274,6 +314,10 @@ impl<'a> PointGroup<'a> {
 }
 
 /// Adds in the lanes whose bits are set.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
 fn add(total: &mut RadianceLanes, radiance: &RadianceLanes, lanes: u32) {
     for channel in 0..3 {
         for lane in 0..PACKET {

@@ -4,8 +4,9 @@
 use std::f32::consts::PI;
 
 use lie_accel::PACKET;
-use lie_geom::RandomKey;
+use lie_geom::{Aabb, RandomKey};
 use lie_scene::Surface;
+use multiversion::multiversion;
 
 use crate::Brdf;
 
@@ -21,6 +22,8 @@ pub(crate) struct PointLanes {
     pub(crate) position: [Lanes; 3],
     /// Where shadow rays start.
     pub(crate) origin: [Lanes; 3],
+    /// Box around those.
+    pub(crate) origins: Aabb,
     normal: [Lanes; 3],
     geometric_normal: [Lanes; 3],
     wo: [Lanes; 3],
@@ -47,6 +50,7 @@ impl PointLanes {
         Self {
             position: zero,
             origin: zero,
+            origins: Aabb::EMPTY,
             normal: zero,
             geometric_normal: zero,
             wo: zero,
@@ -64,6 +68,7 @@ impl PointLanes {
 
     /// Puts a point into a lane.
     pub(crate) fn set(&mut self, lane: usize, surface: &Surface, brdf: &Brdf, key: RandomKey) {
+        self.origins = self.origins.union(Aabb::around([surface.shadow_origin]));
         for axis in 0..3 {
             self.position[axis][lane] = surface.position[axis];
             self.origin[axis][lane] = surface.shadow_origin[axis];
@@ -176,13 +181,25 @@ struct Lobe {
 }
 
 /// Bits of the lanes that carry anything.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
 pub(crate) fn carrying(radiance: &RadianceLanes) -> u32 {
-    let mut lit = 0;
+    let mut lit = [0; PACKET];
     for lane in 0..PACKET {
         let any = (radiance[0][lane] > 0.0) | (radiance[1][lane] > 0.0) | (radiance[2][lane] > 0.0);
-        lit |= u32::from(any) << lane;
+        lit[lane] = if any { 1 << lane } else { 0 };
     }
-    lit
+    // Halves onto each other: four vector operations.
+    let mut width = PACKET;
+    while width > 1 {
+        width /= 2;
+        for lane in 0..width {
+            lit[lane] |= lit[lane + width];
+        }
+    }
+    lit[0]
 }
 
 #[inline(always)]

@@ -10,7 +10,7 @@ pub struct Tile {
 }
 
 /// Side of a tile in pixels; those at the right and lower border may be smaller.
-const SIDE: u32 = 32;
+const SIDE: u32 = 64;
 
 /// The tiles of a frame, row by row.
 #[must_use]

@@ -11,7 +11,7 @@ use lie_scene::{Camera, CameraFilm, RenderSettings, Surface};
 use crate::{
     Brdf, LieCell, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
     one_by_one::OneByOne,
-    point_group::{GroupWork, PointGroup},
+    point_group::{GroupWork, ListScratch, PointGroup},
 };
 
 /// All that a frame's pixels depend on, beside scene, camera and LIEs.
@@ -78,10 +78,11 @@ pub fn render_tile(
         order: vec![],
         groups: vec![],
         exact: vec![],
+        scratch: ListScratch::default(),
         cancelled,
     };
     let mut sums = vec![Vec3::ZERO; (tile.size.x * tile.size.y) as usize];
-    // Squares of 16 × 16 pixels: neighbours that share nodes, occluders and lights.
+    // Squares of neighbours, which share nodes, occluders and lights.
     for start_y in (0..tile.size.y).step_by(SQUARE as usize) {
         for start_x in (0..tile.size.x).step_by(SQUARE as usize) {
             let start = UVec2::new(start_x, start_y);
@@ -105,7 +106,11 @@ pub fn render_tile(
     })
 }
 
-const SQUARE: u32 = 32;
+/// Pixels along a side of what is rendered together.
+const SQUARE: u32 = 64;
+
+/// Pixels along a side of a packet of camera rays.
+const BLOCK: u32 = 4;
 
 struct TileRenderer<'a> {
     world: &'a World,
@@ -118,6 +123,7 @@ struct TileRenderer<'a> {
     order: Vec<(usize, u32)>,
     groups: Vec<PointGroup<'a>>,
     exact: Vec<(usize, LightRay)>,
+    scratch: ListScratch,
     cancelled: &'a AtomicBool,
 }
 
@@ -169,10 +175,10 @@ impl TileRenderer<'_> {
             }
             let clock = lap(clock, &mut work.stats.unoccluded_ns);
             if self.lies.is_some() {
-                self.groups
-                    .iter()
-                    .for_each(|group| group.partial(&mut work));
-                let (rays, tests) = one_by_one.partial(work.sums);
+                for run in self.groups.chunk_by(PointGroup::shares_cell) {
+                    PointGroup::partial(run, &mut work, &mut self.scratch);
+                }
+                let (rays, tests) = one_by_one.partial(&mut self.scratch.lists, work.sums);
                 work.stats.list_rays += rays;
                 work.stats.occluder_tests += tests;
             }
@@ -194,45 +200,51 @@ impl TileRenderer<'_> {
         Some(sums.into_iter().map(|sum| finite(sum * share)).collect())
     }
 
-    /// Primary visibility: packets of 4 × 4 pixels. Emission and background are added at once.
+    /// Primary visibility: packets of 4 × 4 pixels, in Z order, so that points that follow each
+    /// other are near each other. Emission and background are added at once.
     fn find_points(&mut self, square: Tile, sample: u32, sums: &mut [Vec3]) {
         self.points.clear();
-        let scene = self.world.scene();
-        for y in (0..square.size.y).step_by(4) {
-            for x in (0..square.size.x).step_by(4) {
-                let start = UVec2::new(x, y);
-                let size = (square.size - start).min(UVec2::splat(4));
-                let mut rays = [Ray::new(Vec3::ZERO, Vec3::X); PACKET];
-                let mut pixels = [(0, RandomKey::new(0)); PACKET];
-                let count = (size.x * size.y) as usize;
-                for lane in 0..count {
-                    let offset = UVec2::new(lane as u32 % size.x, lane as u32 / size.x);
-                    let pixel = start + offset;
-                    let place = square.origin + pixel;
-                    let (ray, key) = self.settings.camera_ray(&self.film, place, sample);
-                    rays[lane] = ray;
-                    pixels[lane] = ((pixel.y * square.size.x + pixel.x) as usize, key);
-                }
-                let packet = RayPacket::new(&rays[..count]);
-                let hits = self.world.accel().closest_packet(&packet);
-                self.stats.primary_rays += count as u64;
-                for lane in 0..count {
-                    let (pixel, key) = pixels[lane];
-                    let Some(hit) = &hits[lane] else {
-                        sums[pixel] += scene.background.radiance;
-                        continue;
-                    };
-                    let surface = scene.surface(&rays[lane], hit);
-                    sums[pixel] += self.emission(&surface);
-                    self.points.push(ShadingPoint {
-                        pixel,
-                        key,
-                        brdf: Brdf::new(scene, &surface),
-                        surface,
-                        cell: None,
-                    });
-                }
+        for index in 0..(SQUARE / BLOCK) * (SQUARE / BLOCK) {
+            let start = BLOCK * UVec2::new(every_other_bit(index), every_other_bit(index >> 1));
+            if start.cmplt(square.size).all() {
+                self.find_block(square, start, sample, sums);
             }
+        }
+    }
+
+    /// Primary visibility of up to 4 × 4 pixels of a square, from `start` on.
+    fn find_block(&mut self, square: Tile, start: UVec2, sample: u32, sums: &mut [Vec3]) {
+        let scene = self.world.scene();
+        let size = (square.size - start).min(UVec2::splat(BLOCK));
+        let mut rays = [Ray::new(Vec3::ZERO, Vec3::X); PACKET];
+        let mut pixels = [(0, RandomKey::new(0)); PACKET];
+        let count = (size.x * size.y) as usize;
+        for lane in 0..count {
+            let offset = UVec2::new(lane as u32 % size.x, lane as u32 / size.x);
+            let pixel = start + offset;
+            let place = square.origin + pixel;
+            let (ray, key) = self.settings.camera_ray(&self.film, place, sample);
+            rays[lane] = ray;
+            pixels[lane] = ((pixel.y * square.size.x + pixel.x) as usize, key);
+        }
+        let packet = RayPacket::new(&rays[..count]);
+        let hits = self.world.accel().closest_packet(&packet);
+        self.stats.primary_rays += count as u64;
+        for lane in 0..count {
+            let (pixel, key) = pixels[lane];
+            let Some(hit) = &hits[lane] else {
+                sums[pixel] += scene.background.radiance;
+                continue;
+            };
+            let surface = scene.surface(&rays[lane], hit);
+            sums[pixel] += self.emission(&surface);
+            self.points.push(ShadingPoint {
+                pixel,
+                key,
+                brdf: Brdf::new(scene, &surface),
+                surface,
+                cell: None,
+            });
         }
     }
 
@@ -261,6 +273,14 @@ impl TileRenderer<'_> {
             Vec3::ZERO
         }
     }
+}
+
+/// The bits at even places.
+fn every_other_bit(number: u32) -> u32 {
+    let bits = number & 0x5555;
+    let bits = (bits | bits >> 1) & 0x3333;
+    let bits = (bits | bits >> 2) & 0x0f0f;
+    (bits | bits >> 4) & 0x00ff
 }
 
 /// Adds the time since `clock` and starts anew.

@@ -112,17 +112,9 @@ impl World {
             .map(|hit| self.scene.surface(ray, &hit))
     }
 
-    /// Which rays of a packet any of some triangles blocks, holes considered.
-    #[must_use]
-    pub fn blocked_by_any(&self, triangles: &[u32], packet: &RayPacket) -> u32 {
-        let cutout = self.has_holes.then_some(&*self.scene as &dyn Cutout);
-        packet.blocked_by_any(self.scene.geometry.shapes(), triangles, cutout)
-    }
-
-    /// Whether any of some triangles blocks a ray, holes considered.
-    #[must_use]
-    pub fn is_blocked_by_any(&self, triangles: &[u32], ray: &Ray) -> bool {
-        self.blocked_by_any(triangles, &RayPacket::new(std::slice::from_ref(ray))) != 0
+    /// Where triangles have holes, if any has.
+    pub(crate) fn cutout(&self) -> Option<&dyn Cutout> {
+        self.has_holes.then_some(&*self.scene as &dyn Cutout)
     }
 
     /// Which of some rays (at most sixteen), given as a packet and one by one, a triangle

@@ -213,13 +213,6 @@ fn a_packet_asks_one_triangle_as_its_rays_would() {
             }
             assert_eq!(together.blocked_by(triangle), expected);
         }
-        let all = geometry.shapes();
-        let some = [3, 7, 20, 21, 33, 999];
-        let expected = some
-            .iter()
-            .filter_map(|&index| all.get(index as usize))
-            .fold(0, |mask, triangle| mask | together.blocked_by(triangle));
-        assert_eq!(together.blocked_by_any(all, &some, None), expected);
     }
 }
 

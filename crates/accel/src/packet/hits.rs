@@ -1,6 +1,6 @@
 use lie_geom::{EdgeWeights, LaneHit, edge_weights, plane_distance, weights_of};
 
-use super::{Lanes, PACKET, RayPacket, any, bits};
+use super::{Lanes, PACKET, RayPacket, any, union};
 
 /// Where the rays of a packet meet one triangle.
 pub(crate) struct PacketHits {
@@ -40,11 +40,12 @@ impl PacketHits {
     /// The rays that hit: bit `i` for ray `i`.
     #[inline(always)]
     pub(crate) fn mask(&self) -> u32 {
-        let mut hit = [false; PACKET];
+        let mut hit = [0; PACKET];
         for ray in 0..PACKET {
-            hit[ray] = self.t[ray] < f32::INFINITY;
+            let is_hit = self.t[ray] < f32::INFINITY;
+            hit[ray] = if is_hit { 1 << ray } else { 0 };
         }
-        bits(&hit)
+        union(&hit)
     }
 }
 
@@ -117,6 +118,37 @@ impl RayPacket {
             |ray| weights_of(edges, self.way(ray)),
             |ray| offset / dot(normal, self.way(ray)),
         )
+    }
+
+    /// The rays that [`Self::intersect_from`] finds to hit: bit `i` for ray `i`.
+    #[inline(always)]
+    pub(crate) fn hit_from(
+        &self,
+        edges: [[f32; 3]; 3],
+        normal: [f32; 3],
+        offset: f32,
+        bound: &Lanes,
+    ) -> u32 {
+        let mut inside = [0; PACKET];
+        for ray in 0..PACKET {
+            let is_inside = weights_of(edges, self.way(ray)).inside();
+            inside[ray] = if is_inside & (bound[ray] > f32::NEG_INFINITY) {
+                1 << ray
+            } else {
+                0
+            };
+        }
+        let inside = union(&inside);
+        if inside == 0 {
+            return 0;
+        }
+        let mut hit = [0; PACKET];
+        for ray in 0..PACKET {
+            let t = offset / dot(normal, self.way(ray));
+            let is_hit = (t > self.t_min[ray]) & (t < bound[ray]);
+            hit[ray] = if is_hit { 1 << ray } else { 0 };
+        }
+        union(&hit) & inside
     }
 
     #[inline(always)]

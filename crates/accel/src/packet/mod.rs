@@ -3,16 +3,14 @@
 
 mod bounds;
 mod hits;
-mod list;
+mod occluders;
 mod traverse;
 
-use lie_geom::{Ray, SHADOW_T_MAX, Triangle};
+use lie_geom::{Ray, SHADOW_T_MAX};
 
-use crate::{
-    Cutout,
-    node::{WIDER, inverse},
-};
+use crate::node::{WIDER, inverse};
 
+pub use occluders::{BlockPart, FanOccluders, OccluderBlocks};
 pub(crate) use traverse::{blocked, blockers, closest};
 
 /// Rays per packet.
@@ -104,24 +102,6 @@ impl RayPacket {
         packet
     }
 
-    /// Which rays one triangle blocks, were it solid: bit `i` for ray `i`.
-    #[must_use]
-    pub fn blocked_by(&self, triangle: &Triangle) -> u32 {
-        list::blocked_by(self, triangle)
-    }
-
-    /// Which rays any of some triangles of `all` blocks, given by their indices. `cutout`
-    /// says where triangles have holes; `None` means nowhere.
-    #[must_use]
-    pub fn blocked_by_any(
-        &self,
-        all: &[Triangle],
-        indices: &[u32],
-        cutout: Option<&dyn Cutout>,
-    ) -> u32 {
-        list::blocked_by_any(self, all, indices, cutout)
-    }
-
     /// One lane's ray; that of a lane left over is undefined, and hits nothing.
     pub(crate) fn ray(&self, lane: usize) -> Ray {
         let [origin, direction] =
@@ -165,11 +145,11 @@ impl RayPacket {
     /// The lanes that look for anything: bit `i` for ray `i`.
     #[inline(always)]
     fn active(&self) -> u32 {
-        let mut active = [false; PACKET];
+        let mut active = [0; PACKET];
         for lane in 0..PACKET {
-            active[lane] = self.is_active(lane);
+            active[lane] = if self.is_active(lane) { 1 << lane } else { 0 };
         }
-        bits(&active)
+        union(&active)
     }
 
     /// Whether a lane looks for anything.
@@ -231,13 +211,10 @@ fn any(lanes: &[bool; PACKET]) -> bool {
     any
 }
 
-/// Bit `i` for lane `i`.
+/// All bits that any lane has.
 #[inline(always)]
-fn bits(lanes: &[bool; PACKET]) -> u32 {
-    let mut folded = [0u32; PACKET];
-    for lane in 0..PACKET {
-        folded[lane] = if lanes[lane] { 1 << lane } else { 0 };
-    }
+fn union(lanes: &[u32; PACKET]) -> u32 {
+    let mut folded = *lanes;
     let mut width = PACKET;
     while width > 1 {
         width /= 2;

@@ -23,14 +23,11 @@ pub struct ConstructSettings {
     pub seed: u64,
     /// Threads to sample with; 0 is one for each core.
     pub threads: usize,
-    /// Relative RMSE of the picture below which a view counts as converged.
+    /// Relative RMSE of the picture that is good enough.
     pub tolerance: f32,
 }
 
 impl ConstructSettings {
-    /// Share of a view's light evaluations that must be trusted before it counts as converged.
-    pub const TRUSTED: f32 = 0.99;
-
     /// Settings for a scene, with the scene's own depth and threshold.
     #[must_use]
     pub fn new(scene: &lie_scene::Scene) -> Self {
@@ -73,10 +70,11 @@ pub struct BatchReport {
     pub samples: u64,
     /// Pixels sampled so far, those that show no surface included.
     pub taken: u64,
-    /// Relative RMSE of the picture over the last pass, the largest of all views; `None`
-    /// before every view has seen a whole pass.
+    /// Relative RMSE of the picture over the last pass through the pixels' centres, the largest
+    /// of all views; `None` before every view has seen a whole pass.
     pub estimated_error: Option<f32>,
-    /// Whether every view has converged: error below the tolerance and lights trusted.
+    /// Whether every view has converged: more construction would make its picture neither
+    /// better nor much cheaper.
     pub converged: bool,
 }
 
@@ -196,21 +194,15 @@ impl Builder {
 
     fn report(&mut self) -> BatchReport {
         let changed = self.tree.commit();
-        let errors: Option<Vec<(f32, f32)>> =
-            self.views.iter().map(ViewProgress::last_pass).collect();
-        let converged = |&(error, trusted): &(f32, f32)| {
-            error <= self.settings.tolerance && trusted >= ConstructSettings::TRUSTED
-        };
+        let views = &self.views;
+        let errors: Option<Vec<f32>> = views.iter().map(ViewProgress::error).collect();
         BatchReport {
             changed,
             version: self.tree.version(),
             samples: self.tree.samples(),
             taken: self.taken,
-            converged: errors
-                .as_ref()
-                .is_some_and(|errors| errors.iter().all(converged)),
-            estimated_error: errors
-                .map(|errors| errors.iter().fold(0.0, |max, &(error, _)| error.max(max))),
+            converged: views.iter().all(|view| view.has_converged(&self.settings)),
+            estimated_error: errors.map(|errors| errors.into_iter().fold(0.0, f32::max)),
         }
     }
 }

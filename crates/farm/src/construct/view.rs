@@ -1,7 +1,9 @@
 use glam::{UVec2, Vec2};
 use lie_geom::{RandomKey, Ray};
-use lie_octree::Observation;
+use lie_octree::{LieSettings, Observation};
 use lie_scene::Camera;
+
+use super::ConstructSettings;
 
 /// What somebody looks at: samples are taken where it shows the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,10 +23,23 @@ pub(super) struct ViewProgress {
     /// Squares sampled so far, over all passes.
     taken: u64,
     pass: Pass,
-    /// Error and share of trusted light evaluations of the last whole pass.
-    last: Option<(f32, f32)>,
+    /// The last two whole passes through the pixels' centres, the later one first.
+    last: [Option<Finding>; 2],
     typical: f32,
 }
+
+/// What a whole pass showed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Finding {
+    /// Relative RMSE of the picture.
+    error: f32,
+    /// Share of the light evaluations that are in doubt, and traced for that.
+    doubtful: f32,
+}
+
+/// Share of a view's light evaluations that may be in doubt when it counts as converged; and
+/// which less must have come out of doubt by two passes for the rest to be left as it is.
+const DOUBTFUL: f32 = 0.01;
 
 /// A part of one pass over a view: up to 16 × 16 pixels.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +72,11 @@ fn grid(size: UVec2) -> impl Iterator<Item = UVec2> {
     (0..size.y).flat_map(move |y| (0..size.x).map(move |x| UVec2::new(x, y)))
 }
 
+/// Whether a pass looks where a frame with one sample per pixel does.
+fn goes_through_centres(pass: u64) -> bool {
+    pass.is_multiple_of(2)
+}
+
 /// What one pass showed: one sample in every pixel.
 #[derive(Default)]
 struct Pass {
@@ -80,7 +100,7 @@ impl ViewProgress {
             taken: 0,
             pass: Pass::default(),
             typical: 0.0,
-            last: None,
+            last: [None; 2],
         }
     }
 
@@ -106,7 +126,7 @@ impl ViewProgress {
             .key
             .mix(pass)
             .mix(u64::from(pixel.x) | u64::from(pixel.y) << 32);
-        let offset = if pass.is_multiple_of(2) {
+        let offset = if goes_through_centres(pass) {
             Vec2::splat(0.5)
         } else {
             key.uniform2(0)
@@ -127,9 +147,41 @@ impl ViewProgress {
         self.typical
     }
 
-    /// Error and share of trusted light evaluations of the last whole pass.
-    pub(super) fn last_pass(&self) -> Option<(f32, f32)> {
-        self.last
+    /// Relative RMSE of the picture, as the last whole pass through the pixels' centres showed
+    /// it.
+    pub(super) fn error(&self) -> Option<f32> {
+        self.last[0].map(|last| last.error)
+    }
+
+    /// Whether more construction would make the picture neither better nor much cheaper. What
+    /// is traced is right: of doubt it matters alone whether there will be less of it soon.
+    pub(super) fn has_converged(&self, settings: &ConstructSettings) -> bool {
+        let [Some(last), before] = self.last else {
+            return false;
+        };
+        let LieSettings {
+            trust,
+            split_samples,
+            ..
+        } = settings.lie;
+        let gained = before.map(|before| Finding {
+            error: before.error - last.error,
+            doubtful: before.doubtful - last.doubtful,
+        });
+        // With doubt an error is what samples in a row did not show, and stays.
+        let is_right = last.error <= settings.tolerance
+            || trust > 0 && gained.is_some_and(|gained| gained.error < settings.tolerance);
+        // Two rays to each light from every sample: no cell can be known earlier.
+        let patience = u64::from(trust / (2 * split_samples.max(1)));
+        let is_cheap = last.doubtful <= DOUBTFUL
+            || self.passes() >= patience.max(3)
+                && gained.is_some_and(|gained| gained.doubtful < DOUBTFUL);
+        is_right && is_cheap
+    }
+
+    /// Whole passes so far.
+    fn passes(&self) -> u64 {
+        self.taken / self.squares.len() as u64
     }
 
     /// Takes in what a square showed.
@@ -144,9 +196,15 @@ impl ViewProgress {
         let is_whole = pass.pixels == u64::from(self.view.size.x) * u64::from(self.view.size.y);
         if is_whole {
             let pass = std::mem::take(&mut self.pass);
-            self.last = Some((pass.relative_rmse(), pass.trusted_share()));
             self.typical = pass.mean();
-        } else if self.last.is_none() {
+            if goes_through_centres(square.pass) {
+                let found = Finding {
+                    error: pass.relative_rmse(),
+                    doubtful: 1.0 - pass.trusted_share(),
+                };
+                self.last = [Some(found), self.last[0]];
+            }
+        } else if self.last[0].is_none() {
             self.typical = pass.mean();
         }
     }

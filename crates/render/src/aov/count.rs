@@ -17,7 +17,7 @@ pub(super) fn count_point(
         (Some(cell), _) => {
             count_unoccluded(world, cell, points, work);
             count_partial(world, cell, points, work);
-            count_traced(world, cell.traced.iter().copied(), points, work);
+            count_traced(world, cell.traced.iter(), points, work);
         }
         (None, None) => count_traced(world, all_lights(world), points, work),
         // It traces the rays along the lobe as well, and counts them.
@@ -31,7 +31,7 @@ pub(super) fn count_point(
 }
 
 fn count_unoccluded(world: &World, cell: &LieCell, points: &LightPoints<'_>, work: &mut Work) {
-    for &light in &cell.unoccluded {
+    for light in cell.unoccluded.iter() {
         work.lane_evaluations += points.evaluations(world, light);
         world.for_each_light_ray(light, points, |ray| {
             work.shadow_rays += u64::from(ray.exact);
@@ -40,14 +40,14 @@ fn count_unoccluded(world: &World, cell: &LieCell, points: &LightPoints<'_>, wor
 }
 
 fn count_partial(world: &World, cell: &LieCell, points: &LightPoints<'_>, work: &mut Work) {
-    for entry in &cell.partial {
-        work.lane_evaluations += points.evaluations(world, entry.light);
-        world.for_each_light_ray(entry.light, points, |ray| {
+    for (light, occluders) in cell.partial.lights() {
+        work.lane_evaluations += points.evaluations(world, light);
+        world.for_each_light_ray(light, points, |ray| {
             if ray.exact {
                 work.shadow_rays += 1;
             } else {
                 work.list_rays += 1;
-                work.lane_tests += entry.occluders.len() as u64;
+                work.lane_tests += occluders;
             }
         });
     }

@@ -1,0 +1,113 @@
+use glam::Vec3;
+use lie_geom::{RandomKey, Ray};
+
+use super::*;
+use crate::bvh::tests::{Half, soup};
+
+fn vector(key: RandomKey, n: u32) -> Vec3 {
+    let xy = key.uniform2(2 * n);
+    Vec3::new(xy.x, xy.y, key.uniform(2 * n + 1)) * 2.0 - Vec3::ONE
+}
+
+/// A list of about every third triangle.
+fn list(key: RandomKey, blocks: u32) -> Vec<BlockPart> {
+    let parts = (0..blocks).map(|block| BlockPart {
+        block,
+        places: (0..16).fold(0, |places, place| {
+            places | u16::from(key.uniform(16 * block + place) < 0.3) << place
+        }),
+    });
+    parts.collect()
+}
+
+/// What the list blocks, triangle by triangle and ray by ray.
+fn expected(
+    triangles: &[Triangle],
+    parts: &[BlockPart],
+    rays: &[Ray],
+    cutout: Option<&dyn Cutout>,
+) -> u32 {
+    let blocks = |ray: &Ray, index: usize| {
+        let Some(hit) = triangles.get(index).and_then(|shape| shape.intersect(ray)) else {
+            return false;
+        };
+        let index = index as u32;
+        cutout.is_none_or(|cutout| !cutout.has_holes(index) || cutout.is_solid(index, hit.u, hit.v))
+    };
+    let is_blocked = |ray: &Ray| {
+        parts.iter().any(|part| {
+            let places = (0..PACKET).filter(|place| part.places >> place & 1 == 1);
+            places
+                .into_iter()
+                .any(|place| blocks(ray, PACKET * part.block as usize + place))
+        })
+    };
+    (0..rays.len()).fold(0, |mask, ray| {
+        mask | u32::from(is_blocked(&rays[ray])) << ray
+    })
+}
+
+#[test]
+fn lists_block_what_their_triangles_block() {
+    let geometry = soup(300, 5);
+    let shapes = geometry.shapes();
+    let mut blocks = OccluderBlocks::default();
+    let indices: Vec<u32> = (0..300).collect();
+    blocks.fill(&indices, shapes);
+    assert_eq!((blocks.len(), blocks.is_empty()), (300, false));
+    let (mut blocked, mut open) = (0, 0);
+    for seed in 0..400 {
+        let key = RandomKey::new(seed);
+        let parts = list(key.mix(1), 19);
+        let apex = 6.0 * vector(key, 0);
+        let center = 6.0 * vector(key, 1);
+        // Close together, as a cell's points are, or far apart.
+        let spread = if seed % 2 == 0 { 0.1 } else { 4.0 };
+        let count = 1 + seed as usize % PACKET;
+        let points: Vec<Vec3> = (0..count as u32)
+            .map(|point| center + spread * vector(key, 10 + point))
+            .collect();
+        let mut ends = [[0.0; PACKET]; 3];
+        for (lane, point) in points.iter().enumerate() {
+            for axis in 0..3 {
+                ends[axis][lane] = point[axis];
+            }
+        }
+        let rays: Vec<Ray> = points
+            .iter()
+            .map(|&point| Ray::segment_from(apex, point))
+            .collect();
+        let cutout: Option<&dyn Cutout> = if seed % 3 == 0 { Some(&Half) } else { None };
+        let expected = expected(shapes, &parts, &rays, cutout);
+        let packet = RayPacket::fan(apex.to_array(), &ends, (1 << count) - 1);
+        let mut seen = FanOccluders::default();
+        seen.look_from(apex.to_array(), &blocks, &parts);
+        let bounds = Aabb::around(points);
+        assert_eq!(
+            packet.blocked_by_fan(&seen, bounds, cutout),
+            expected,
+            "seed {seed}"
+        );
+        assert_eq!(packet.blocked_by_parts(&blocks, &parts, cutout), expected);
+        blocked += expected.count_ones();
+        open += count as u32 - expected.count_ones();
+    }
+    assert!(blocked > 300 && open > 300, "{blocked} blocked, {open} not");
+}
+
+#[test]
+fn parts_that_name_no_block_block_nothing() {
+    let mut blocks = OccluderBlocks::default();
+    blocks.fill(&[], &[]);
+    let parts = [BlockPart {
+        block: 7,
+        places: u16::MAX,
+    }];
+    let ends = [[1.0; PACKET]; 3];
+    let packet = RayPacket::fan([0.0; 3], &ends, 0xffff);
+    let mut seen = FanOccluders::default();
+    seen.look_from([0.0; 3], &blocks, &parts);
+    let bounds = Aabb::around([Vec3::ONE]);
+    assert_eq!(packet.blocked_by_fan(&seen, bounds, None), 0);
+    assert_eq!(packet.blocked_by_parts(&blocks, &parts, None), 0);
+}
