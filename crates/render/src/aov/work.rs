@@ -73,7 +73,7 @@ impl Default for CostModel {
             primary_ray_ns: 220.0,
             lane_evaluation_ns: 8.0,
             single_evaluation_ns: 30.0,
-            lane_test_ns: 4.0,
+            lane_test_ns: 1.5,
             shadow_ray_ns: 100.0,
         }
     }
