@@ -127,6 +127,10 @@ pub(crate) struct Construction {
     /// with what is known of the whole.
     #[arg(long)]
     from_scratch: bool,
+    /// Do not settle lights by geometry: know of them by samples alone. So it is with --trust
+    /// 0 and with --masking.
+    #[arg(long)]
+    no_proofs: bool,
 }
 
 impl Construction {
@@ -144,12 +148,15 @@ impl Construction {
             ("--crowd", self.crowd.map(|count| count.to_string())),
             ("--masking", self.masking.map(|share| share.to_string())),
         ];
-        let flag = self.from_scratch.then(|| "--from-scratch".into());
+        let flags = [
+            self.from_scratch.then(|| "--from-scratch".into()),
+            self.no_proofs.then(|| "--no-proofs".into()),
+        ];
         given
             .into_iter()
             .filter_map(|(name, value)| Some([name.into(), value?.into()]))
             .flatten()
-            .chain(flag)
+            .chain(flags.into_iter().flatten())
             .collect()
     }
 
@@ -161,6 +168,7 @@ impl Construction {
         settings.lie.crowd = self.crowd.unwrap_or(settings.lie.crowd);
         settings.lie.masking = self.masking.unwrap_or(settings.lie.masking);
         settings.lie.inherit = !self.from_scratch;
+        settings.proofs = !self.no_proofs;
         settings.lie.max_depth = self.max_depth.unwrap_or(settings.lie.max_depth);
         settings.lie.split_threshold = self.split.unwrap_or(settings.lie.split_threshold);
         settings

@@ -8,7 +8,9 @@ use crate::{
     block::TriangleBlock,
     build::{Tree, build},
     node::Node,
-    packet, single,
+    packet,
+    shaft::{self, Shaft},
+    single,
 };
 
 /// A bounding volume hierarchy over a scene's triangles.
@@ -79,6 +81,10 @@ impl Accel for Bvh {
 
     fn blocker(&self, ray: &Ray) -> Option<u32> {
         single::blocker(self, ray)
+    }
+
+    fn inside(&self, shaft: &Shaft, limit: usize, found: &mut Vec<u32>) -> bool {
+        shaft::inside(self, shaft, limit, found)
     }
 
     fn closest_packet(&self, packet: &RayPacket) -> [Option<Hit>; PACKET] {

@@ -33,8 +33,10 @@ mod bvh;
 mod cutout;
 mod grid;
 mod kind;
+mod mesh_edges;
 mod node;
 mod packet;
+mod shaft;
 mod single;
 mod stack;
 
@@ -42,7 +44,9 @@ pub use bvh::{Bvh, BvhStats};
 pub use cutout::Cutout;
 pub use grid::{GridStats, TwoLevelGrid};
 pub use kind::AccelKind;
+pub use mesh_edges::MeshEdges;
 pub use packet::{BlockPart, FanOccluders, OccluderBlocks, PACKET, RayPacket};
+pub use shaft::Shaft;
 
 use lie_geom::{Hit, Ray};
 
@@ -57,6 +61,14 @@ pub trait Accel: Send + Sync {
     /// Whether anything is inside the ray's interval.
     fn is_blocked(&self, ray: &Ray) -> bool {
         self.blocker(ray).is_some()
+    }
+
+    /// Adds to `found` the triangles that segments of a shaft may hit, and perhaps a few more,
+    /// up to `limit` in `found`. Says whether these are all: if not, there are too many, or the
+    /// structure cannot tell.
+    fn inside(&self, shaft: &Shaft, limit: usize, found: &mut Vec<u32>) -> bool {
+        let _ = (shaft, limit, found);
+        false
     }
 
     /// The closest hit of each ray of a packet.

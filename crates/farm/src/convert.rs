@@ -1,6 +1,7 @@
 //! The one place where wire types become domain types and back.
 
 use glam::{Quat, UVec2, Vec3};
+use lie_geom::Aabb;
 use lie_octree::{CellBody, CellKey, CellState, LieState, LitLight};
 use lie_protocol::{
     BeginFrame, SceneHash, SceneSummary, Text, WireBody, WireCamera, WireCell, WireKeyFrame,
@@ -168,6 +169,9 @@ pub fn wire_cell(state: &CellState) -> WireCell {
     let body = match &state.body {
         CellBody::Inner => WireBody::Interior,
         CellBody::Leaf(lie) => WireBody::Leaf {
+            region: lie
+                .region
+                .map(|region| [region.min.to_array(), region.max.to_array()]),
             hidden: lie.hidden.clone(),
             crowded: lie.crowded.clone(),
             lights: lie
@@ -199,6 +203,7 @@ pub fn cell(cell: WireCell) -> Result<CellState, ConvertError> {
     let body = match cell.body {
         WireBody::Interior => CellBody::Inner,
         WireBody::Leaf {
+            region,
             lights,
             hidden,
             crowded,
@@ -215,6 +220,10 @@ pub fn cell(cell: WireCell) -> Result<CellState, ConvertError> {
                 occluders: lit.occluders,
             });
             CellBody::Leaf(LieState {
+                region: region.map(|[min, max]| Aabb {
+                    min: min.into(),
+                    max: max.into(),
+                }),
                 lights: lights.collect(),
                 hidden,
                 crowded,

@@ -123,6 +123,14 @@ impl PublishedLies {
         self.0.version()
     }
 
+    /// A cell, or what is known of places that no cell's region takes in: nothing.
+    fn holding<'a>(&'a self, point: Vec3, cell: &'a LieCell) -> &'a LieCell {
+        match cell.region {
+            Some(region) if !region.contains(point) => self.0.empty(),
+            _ => cell,
+        }
+    }
+
     /// Memory of all compiled cells in bytes; takes time in proportion to their number.
     #[must_use]
     pub fn bytes(&self) -> u64 {
@@ -138,7 +146,7 @@ impl PublishedLies {
 
 impl LieLookup for PublishedLies {
     fn cell(&self, point: Vec3) -> &LieCell {
-        self.0.leaf_at(point)
+        self.holding(point, self.0.leaf_at(point))
     }
 
     fn for_each_cell<'a>(
@@ -146,7 +154,8 @@ impl LieLookup for PublishedLies {
         points: &mut dyn Iterator<Item = Vec3>,
         found: &mut dyn FnMut(&'a LieCell),
     ) {
-        self.0.for_each_leaf_at(points, found);
+        self.0
+            .for_each_leaf_at(points, |point, cell| found(self.holding(point, cell)));
     }
 }
 
@@ -165,10 +174,13 @@ fn compile(world: &World, settings: LieSettings, bounds: Aabb, lie: &LieState) -
     } else {
         (0..scene.lights.len() as u32)
             .filter(|light| !is_known(light))
-            .filter(|&light| scene.lights[light as usize].may_reach(bounds))
+            .filter(|&light| scene.lights[light as usize].may_reach(lie.region.unwrap_or(bounds)))
             .collect()
     };
     let lights = lie.lights.iter();
     let lights = lights.map(|entry| (entry.light, &entry.occluders[..]));
-    LieCell::new(lights, traced)
+    LieCell {
+        region: lie.region,
+        ..LieCell::new(lights, traced)
+    }
 }

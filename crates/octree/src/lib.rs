@@ -36,6 +36,7 @@ mod lie_tree;
 mod masking;
 mod observe;
 mod observer;
+mod proof;
 mod replica;
 mod tree;
 
@@ -45,5 +46,6 @@ pub use lie::{Lie, Standing};
 pub use lie_tree::{LieSettings, LieStats, LieTree};
 pub use observe::{GROUP, Observation, Outcome, ShadowRay, Visibility};
 pub use observer::Observer;
+pub use proof::{Proof, Region};
 pub use replica::{CellBody, CellState, LieState, LitLight, Replica};
 pub use tree::{Cell, Cube, Octree};

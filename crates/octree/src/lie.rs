@@ -1,4 +1,9 @@
-use crate::{LieSettings, LieState, LightEvidence, Mask, Observation, Outcome, masking::Shown};
+use lie_geom::Aabb;
+
+use crate::{
+    LieSettings, LieState, LightEvidence, LitLight, Mask, Observation, Outcome, Proof, Region,
+    masking::Shown,
+};
 
 /// What the constructor knows of one cell.
 ///
@@ -11,6 +16,8 @@ pub struct Lie {
     /// for the whole that this is a part of.
     dark: u32,
     lights: Vec<LightEvidence>,
+    /// Where it was seen, and what is certain there.
+    region: Region,
     /// What its own samples show of all lights together.
     pub(crate) shown: Shown,
     /// Tree version at which what shaders see of it last changed.
@@ -22,6 +29,8 @@ pub struct Lie {
 pub enum Standing<'a> {
     /// It reaches the cell, past these occluders.
     Lit(&'a LightEvidence),
+    /// There is a proof of how it reaches the cell's region, or of that it does not.
+    Certain,
     /// It does not reach the cell.
     Hidden,
     /// It reaches the cell past so much that asking the scene is cheaper.
@@ -53,6 +62,7 @@ impl Lie {
             samples: 0,
             dark: self.dark / QUARTER,
             lights: self.lights.iter().map(LightEvidence::part).collect(),
+            region: Region::default(),
             shown: Shown::default(),
             version,
         }
@@ -62,6 +72,19 @@ impl Lie {
     #[must_use]
     pub fn samples(&self) -> u32 {
         self.samples
+    }
+
+    /// Where it was seen, and what is certain there.
+    #[must_use]
+    pub fn region(&self) -> &Region {
+        &self.region
+    }
+
+    /// Takes over what has become certain, and where.
+    pub(crate) fn settle(&mut self, region: Region) {
+        self.lights.retain(|entry| !region.is_settled(entry.light));
+        self.lights.shrink_to_fit();
+        self.region = region;
     }
 
     /// Whether nothing is known of it.
@@ -103,6 +126,9 @@ impl Lie {
     /// the paper: what is not known to be lit is hidden.
     #[must_use]
     pub fn standing(&self, light: u32, trust: u32) -> Standing<'_> {
+        if self.region.is_settled(light) {
+            return Standing::Certain;
+        }
         match self.evidence(light) {
             _ if trust > 0 && self.samples == 0 => Standing::Doubtful,
             Some(entry) if entry.crowded => Standing::Crowded,
@@ -125,7 +151,7 @@ impl Lie {
                 .filter(|own| own.is_confirmed())
                 .count(),
         };
-        self.lights().map(own).sum()
+        self.lights().map(own).sum::<usize>() + self.region.listed()
     }
 
     /// Occluders in all of its lists.
@@ -143,6 +169,10 @@ impl Lie {
         settings: &LieSettings,
     ) {
         for seen in samples.clone() {
+            if self.region.lights.is_empty() {
+                let point = Aabb::around([seen.point]);
+                self.region.bounds = self.region.bounds.union(point);
+            }
             self.samples = self.samples.saturating_add(1);
             self.dark = self.dark.saturating_add(1);
             self.shown.record(seen);
@@ -197,29 +227,44 @@ impl Lie {
 
     /// What shaders see of the cell, in a scene of so many lights.
     #[must_use]
-    pub(crate) fn state(&self, trust: u32, lights: u32) -> LieState {
+    pub(crate) fn state(&self, trust: u32, lights_of_scene: u32) -> LieState {
         if self.is_untold(trust) {
             return LieState::default();
         }
         let trusted = |entry: &&LightEvidence| entry.is_trusted(trust);
+        let sampled = self
+            .lights()
+            .filter(|entry| !entry.crowded && entry.mask != Some(Mask::LeftOut))
+            .filter(trusted)
+            .map(LightEvidence::to_lit);
+        let mut lights: Vec<LitLight> = sampled.collect();
+        lights.extend(self.region.lights.iter().filter_map(|(light, proof)| {
+            let occluders = match proof {
+                Proof::Unoccluded => vec![],
+                Proof::Behind(list) => list.to_vec(),
+                Proof::Hidden | Proof::Open => return None,
+            };
+            Some(LitLight {
+                light: *light,
+                occluders,
+            })
+        }));
+        lights.sort_unstable_by_key(|lit| lit.light);
         LieState {
-            lights: self
-                .lights()
-                .filter(|entry| !entry.crowded && entry.mask != Some(Mask::LeftOut))
-                .filter(trusted)
-                .map(LightEvidence::to_lit)
-                .collect(),
+            lights,
             crowded: self
                 .lights()
                 .filter(|entry| entry.crowded)
                 .map(|entry| entry.light)
                 .collect(),
-            // Without doubt, every light that is not lit is hidden: no need to name it.
+            // Without doubt, every light that is not lit is hidden: no need to name it. And
+            // a cell is all that lies in it.
             hidden: if trust > 0 {
-                self.left_out(trust, lights)
+                self.left_out(trust, lights_of_scene)
             } else {
                 vec![]
             },
+            region: (trust > 0).then_some(self.region.bounds),
         }
     }
 
@@ -232,7 +277,11 @@ impl Lie {
                 let is_left_out = entry.mask == Some(Mask::LeftOut) || !entry.is_lit();
                 is_left_out && entry.is_trusted(trust)
             }
-            None => is_dark_known,
+            None => match self.region.proof(*light) {
+                Some(Proof::Hidden) => true,
+                Some(Proof::Unoccluded | Proof::Behind(_)) => false,
+                Some(Proof::Open) | None => is_dark_known,
+            },
         };
         (0..lights).filter(is_left_out).collect()
     }
@@ -240,7 +289,9 @@ impl Lie {
     /// Heap memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let occluders: usize = self.lights.iter().map(|entry| entry.occluders.len()).sum();
-        size_of_val(&self.lights[..]) + occluders * size_of::<crate::Occluder>()
+        size_of_val(&self.lights[..])
+            + occluders * size_of::<crate::Occluder>()
+            + self.region.bytes()
     }
 }
 
@@ -292,6 +343,7 @@ mod tests {
         match lie.standing(light, trust) {
             Standing::Lit(_) => "lit",
             Standing::Hidden => "hidden",
+            Standing::Certain => "certain",
             Standing::Crowded => "crowded",
             Standing::Doubtful => "doubtful",
         }

@@ -4,7 +4,7 @@ use glam::Vec3;
 use lie_geom::Aabb;
 
 use crate::{
-    CellBody, CellKey, CellState, Lie, LightEvidence, Observation,
+    CellBody, CellKey, CellState, Lie, LightEvidence, Observation, Region,
     tree::{Cell, Cube, Octree},
 };
 
@@ -149,6 +149,40 @@ impl LieTree {
         other
     }
 
+    /// Takes over what has become certain of a leaf, and where. Nothing happens if there is no
+    /// such leaf.
+    pub fn settle(&mut self, key: CellKey, region: Region) {
+        let version = self.version + 1;
+        if let Some(lie) = self.tree.leaf_mut(key)
+            && *lie.region() != region
+        {
+            lie.settle(region);
+            lie.version = version;
+            self.changed.insert(key);
+        }
+    }
+
+    /// Splits a leaf, as far as cells may be divided: its parts start with its evidence, and with
+    /// nothing that is certain. Says whether it did.
+    pub fn split(&mut self, key: CellKey) -> bool {
+        let version = self.version + 1;
+        let Some(Cell::Leaf(lie)) = self.tree.get(key) else {
+            return false;
+        };
+        if key.depth() >= self.settings.max_depth {
+            return false;
+        }
+        let part = if self.settings.inherit {
+            lie.part(version)
+        } else {
+            Lie::empty(version)
+        };
+        self.tree.split(key, &part);
+        self.changed.insert(key);
+        self.changed.extend((0..8).map(|octant| key.child(octant)));
+        true
+    }
+
     /// Takes in observations, and splits the cells that have become too complex (LIE §4.1):
     /// their children start from nothing but these observations. They may have been made
     /// against an older state of the tree; those of one neighbourhood belong together.
@@ -179,15 +213,11 @@ impl LieTree {
         }
         let too_complex = lie.complexity(settings.crowd) > settings.split_threshold as usize;
         let dense = group.len() >= settings.split_samples as usize;
-        if too_complex && dense && key.depth() < settings.max_depth {
-            let child = if settings.inherit {
-                before.part(version + 1)
-            } else {
-                Lie::empty(version + 1)
-            };
-            self.tree.split(key, &child);
-            self.changed.insert(key);
-            self.changed.extend((0..8).map(|octant| key.child(octant)));
+        // Where something is certain, whoever proves it splits.
+        let is_free = lie.region().lights.is_empty();
+        if is_free && too_complex && dense && key.depth() < settings.max_depth {
+            *lie = before;
+            self.split(key);
             let points = group.iter().map(|(_, seen)| *seen);
             let mut children: Vec<(CellKey, &Observation)> = points
                 .map(|seen| (self.tree.key_at(seen.point), seen))

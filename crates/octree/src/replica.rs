@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use lie_geom::Aabb;
 
 use crate::{
     CellKey,
@@ -8,7 +9,7 @@ use crate::{
 };
 
 /// One cell as shaders see it: the unit of deltas and snapshots.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CellState {
     /// Which cell.
     pub key: CellKey,
@@ -20,7 +21,7 @@ pub struct CellState {
 }
 
 /// What a cell holds. A cell that has been split never becomes a leaf again.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum CellBody {
     /// Eight children.
     Inner,
@@ -31,8 +32,11 @@ pub enum CellBody {
 /// An LIE without the evidence for it (LIE §4): what is trusted of each light. A light
 /// that is in no list is doubtful, unless nothing is ever doubted
 /// ([`crate::LieSettings::trust`] is 0): then it is hidden.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LieState {
+    /// All that the rest is about: of shadow rays from elsewhere in the cell nothing is known.
+    /// `None` is everywhere in it.
+    pub region: Option<Aabb>,
     /// The lights that reach the cell, in order of their number. One without occluders is
     /// unoccluded.
     pub lights: Vec<LitLight>,
@@ -110,10 +114,16 @@ impl<T> Replica<T> {
     pub fn for_each_leaf_at<'a>(
         &'a self,
         points: impl Iterator<Item = Vec3>,
-        mut found: impl FnMut(&'a T),
+        mut found: impl FnMut(Vec3, &'a T),
     ) {
         self.tree
-            .for_each_leaf_at(points, |leaf| found(&*leaf.value));
+            .for_each_leaf_at(points, |point, leaf| found(point, &*leaf.value));
+    }
+
+    /// The value of leaves of which nothing is known.
+    #[must_use]
+    pub fn empty(&self) -> &T {
+        &self.empty.value
     }
 
     /// The cube that it divides.

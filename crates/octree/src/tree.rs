@@ -121,7 +121,7 @@ impl<T: Clone> Octree<T> {
     pub fn for_each_leaf_at<'a>(
         &'a self,
         points: impl Iterator<Item = Vec3>,
-        mut found: impl FnMut(&'a T),
+        mut found: impl FnMut(Vec3, &'a T),
     ) {
         // The nodes on the way to the last point, and that point.
         let mut way = [&*self.root; CellKey::MAX_DEPTH as usize + 1];
@@ -138,7 +138,7 @@ impl<T: Clone> Octree<T> {
             loop {
                 match way[depth as usize] {
                     Node::Leaf(value) => {
-                        found(value);
+                        found(point, value);
                         break;
                     }
                     Node::Inner(children) => {
@@ -298,7 +298,7 @@ mod tests {
         // Neighbours, jumps, and one place twice.
         let points: Vec<Vec3> = (0..900).map(|number| place(number / 2 * 7 % 300)).collect();
         let mut found = vec![];
-        tree.for_each_leaf_at(points.iter().copied(), |leaf| found.push(leaf));
+        tree.for_each_leaf_at(points.iter().copied(), |_, leaf| found.push(leaf));
         let one_by_one: Vec<&i32> = points.iter().map(|&point| tree.leaf_at(point)).collect();
         assert_eq!(found, one_by_one);
     }

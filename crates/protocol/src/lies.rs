@@ -15,7 +15,7 @@ pub struct WireLieSettings {
 
 /// One part of an update: the newest states of the cells that have changed between two
 /// versions. The receiver applies all parts together when the last one is there.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LieDelta {
     /// What the receiver must have; 0 is a snapshot, which replaces everything.
     pub from_version: u64,
@@ -31,7 +31,7 @@ pub struct LieDelta {
 }
 
 /// An octree cell's whole state: applying it twice is the same as once.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WireCell {
     /// A leading 1, then three bits per level.
     pub key: u64,
@@ -42,12 +42,15 @@ pub struct WireCell {
 }
 
 /// What a cell is.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WireBody {
     /// Split into eight.
     Interior,
     /// What is trusted of each light; one in no list is doubtful.
     Leaf {
+        /// Smallest and largest corner of the box that the rest is about; none is all of the
+        /// cell.
+        region: Option<[[f32; 3]; 2]>,
         /// The lights that reach the cell, in rising order.
         #[serde(deserialize_with = "bounded::list::<{ limit::LIGHTS }, _, _>")]
         lights: Vec<WireLight>,

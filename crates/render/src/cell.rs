@@ -1,4 +1,5 @@
 use glam::Vec3;
+use lie_geom::Aabb;
 
 use crate::{LightSet, OccluderLists};
 
@@ -6,6 +7,8 @@ use crate::{LightSet, OccluderLists};
 /// the scene that is in none of the lists is fully occluded, or masked.
 #[derive(Clone, Debug, Default)]
 pub struct LieCell {
+    /// Where shadow rays must start for the rest to hold; `None` is everywhere.
+    pub region: Option<Aabb>,
     /// Lights that every surface point in the cell sees whole.
     pub unoccluded: LightSet,
     /// Lights that some points do not see whole.
@@ -29,6 +32,7 @@ impl LieCell {
             }
         }
         Self {
+            region: None,
             unoccluded: unoccluded.into_iter().collect(),
             partial: OccluderLists::new(&partial),
             traced,
@@ -50,7 +54,7 @@ impl LieCell {
 
 /// Finds the LIE of a point. What it answers must not change while a tile is rendered.
 pub trait LieLookup: Sync {
-    /// The LIE of the smallest cell around a point. Numbers of lights that the scene does
+    /// The LIE that holds for shadow rays from a point. Numbers of lights that the scene does
     /// not have are passed over.
     fn cell(&self, point: Vec3) -> &LieCell;
 

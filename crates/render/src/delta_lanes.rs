@@ -50,6 +50,11 @@ impl DeltaLight {
         }
     }
 
+    /// Whether any point faces it and is in its cone: one that none does gives nothing.
+    pub(crate) fn reaches_any(&self, points: &PointLanes) -> bool {
+        reaches_any(points, self)
+    }
+
     /// What it gives each point if nothing is in the way.
     pub(crate) fn shade(&self, points: &PointLanes) -> RadianceLanes {
         if points.is_glossy {
@@ -58,6 +63,26 @@ impl DeltaLight {
             shade_matt(points, self)
         }
     }
+}
+
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+fn reaches_any(points: &PointLanes, light: &DeltaLight) -> bool {
+    let mut any = false;
+    for lane in 0..PACKET {
+        let position = &points.position;
+        let position = [position[0][lane], position[1][lane], position[2][lane]];
+        let to_light = subtract(light.position, position);
+        let along = -dot(to_light, light.direction);
+        // Without a root, and so with some room: the squares decide where both are positive.
+        let outer = light.cos_outer;
+        let squared = outer * outer * dot(to_light, to_light) * (1.0 - 1.0e-4);
+        let is_outside = (outer > 0.0) & ((along <= 0.0) | (along * along < squared));
+        any |= points.faces(lane, to_light) & !is_outside;
+    }
+    any
 }
 
 #[multiversion(targets(
@@ -125,7 +150,7 @@ mod tests {
         let world = World::new(Arc::new(gallery(&parameters)));
         let scene = world.scene();
         let size = UVec2::splat(64);
-        let mut lit = 0;
+        let (mut lit, mut passed_by) = (0, 0);
         for camera in &scene.cameras {
             for start in 0..16 {
                 let mut lanes = PointLanes::new();
@@ -145,6 +170,9 @@ mod tests {
                         continue;
                     };
                     let radiance = delta.shade(&lanes);
+                    let gives = radiance.iter().flatten().any(|&value| value > 0.0);
+                    assert!(delta.reaches_any(&lanes) || !gives, "light {}", light.name);
+                    passed_by += usize::from(!delta.reaches_any(&lanes));
                     for (lane, (surface, brdf)) in points.iter().enumerate() {
                         let light_points = LightPoints {
                             surface,
@@ -167,5 +195,6 @@ mod tests {
             }
         }
         assert!(lit > 1000, "{lit} lanes were lit");
+        assert!(passed_by > 10, "{passed_by} lights passed by");
     }
 }

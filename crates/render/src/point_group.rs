@@ -158,6 +158,8 @@ impl<'a> PointGroup<'a> {
         let trace = |light: u32| {
             let blocked = |rays: &RayPacket| world.accel().blocked_packet(rays);
             work.stats.shadow_rays += match world.light_form(light) {
+                // Mostly, in a cell, none does or all.
+                LightForm::Delta(light) if !light.reaches_any(&self.points) => 0,
                 LightForm::Delta(light) => self.delta_lit(light, &mut total, blocked),
                 LightForm::Area(area) => {
                     self.area_traced(light, area, &mut total, world, work.strata)

@@ -98,6 +98,15 @@ pub(crate) struct Reflection {
 }
 
 impl PointLanes {
+    /// Whether one lane's surface is turned to where a way, of any length, leads; in doubt it
+    /// is.
+    #[inline(always)]
+    pub(crate) fn faces(&self, lane: usize, way: [f32; 3]) -> bool {
+        let room = -1.0e-5 * (way[0].abs() + way[1].abs() + way[2].abs());
+        (dot(self.at(&self.normal, lane), way) > room)
+            & (dot(self.at(&self.geometric_normal, lane), way) > room)
+    }
+
     /// One lane's reflection of light from `wi`, unit length. Without `GLOSSY` all lanes are
     /// Lambert; with `DENSITY` the lobe's density is found too.
     #[inline(always)]

@@ -256,7 +256,7 @@ impl TileRenderer<'_> {
             return;
         };
         let mut cells = Vec::with_capacity(self.points.len());
-        let mut positions = self.points.iter().map(|point| point.surface.position);
+        let mut positions = self.points.iter().map(|point| point.surface.shadow_origin);
         lies.for_each_cell(&mut positions, &mut |cell| cells.push(cell));
         for (point, cell) in self.points.iter_mut().zip(cells) {
             point.cell = Some(cell);

@@ -117,6 +117,12 @@ impl World {
         self.has_holes.then_some(&*self.scene as &dyn Cutout)
     }
 
+    /// Whether a triangle may have holes.
+    #[must_use]
+    pub fn has_holes(&self, triangle: u32) -> bool {
+        self.has_holes && Cutout::has_holes(&*self.scene, triangle)
+    }
+
     /// Which of some rays (at most sixteen), given as a packet and one by one, a triangle
     /// blocks, holes considered: bit `i` for ray `i`.
     #[must_use]

@@ -1,16 +1,19 @@
 mod neighbours;
+mod prove;
 mod sample;
 mod view;
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
-use lie_octree::{CellKey, LieSettings, LieTree, Observation};
+use lie_octree::{CellKey, LieSettings, LieTree, Observation, Proof, Region};
 use lie_render::World;
 use rayon::prelude::*;
 
 pub use self::view::View;
 use self::{
     neighbours::Neighbours,
+    prove::Prover,
+    sample::Point,
     view::{Square, ViewProgress},
 };
 
@@ -25,7 +28,12 @@ pub struct ConstructSettings {
     pub threads: usize,
     /// Relative RMSE of the picture that is good enough.
     pub tolerance: f32,
+    /// Whether lights are settled by geometry where that is possible.
+    pub proofs: bool,
 }
+
+/// So many times the points that a cell needs to split, and it is not worth proving anything.
+const CROWDED: usize = 4;
 
 impl ConstructSettings {
     /// Settings for a scene, with the scene's own depth and threshold.
@@ -40,6 +48,7 @@ impl ConstructSettings {
             seed: 0,
             threads: 0,
             tolerance: 0.002,
+            proofs: true,
         }
     }
 }
@@ -51,6 +60,8 @@ impl ConstructSettings {
 pub struct Builder {
     world: Arc<World>,
     neighbours: Neighbours,
+    /// `None` where nothing is to be proven.
+    prover: Option<Prover>,
     settings: ConstructSettings,
     tree: LieTree,
     pool: rayon::ThreadPool,
@@ -97,7 +108,12 @@ impl Builder {
         let scene = world.scene();
         let lights = scene.lights.len() as u32;
         let tree = LieTree::new(scene.geometry.bounds(), lights, settings.lie);
+        // The paper's mode proves nothing, and masking wants to see what lights give.
+        let lie = tree.settings();
+        let may_prove = settings.proofs && lie.trust > 0 && lie.masking == 0.0;
+        let prover = may_prove.then(|| Prover::new(&world, lie.crowd));
         Ok(Self {
+            prover: prover.filter(|prover| !prover.is_idle()),
             neighbours: Neighbours::new(&world.scene().geometry),
             world,
             settings,
@@ -124,14 +140,27 @@ impl Builder {
         for (index, progress) in self.views.iter_mut().enumerate() {
             planned.extend((0..share).map(|_| (index, progress.next_square())));
         }
+        let points = self.visible_points(&planned);
+        self.prove(&points);
         let (world, tree, views_now) = (&*self.world, &self.tree, &self.views);
-        let neighbours = &self.neighbours;
+        let (neighbours, prover) = (&self.neighbours, self.prover.as_ref());
         let observed: Vec<Vec<Observation>> = self.pool.install(|| {
             planned
                 .par_iter()
+                .zip(points)
                 .with_max_len(1)
-                .map(|&(view, square)| {
-                    sample::observe_square(world, neighbours, tree, &views_now[view], square)
+                .map(|(&(view, square), points)| {
+                    let progress = &views_now[view];
+                    let random = progress.random(square);
+                    let typical = progress.typical();
+                    let sampling = sample::Sampling {
+                        world,
+                        neighbours,
+                        prover,
+                        tree,
+                        typical,
+                    };
+                    sampling.observe(random, points)
                 })
                 .collect()
         });
@@ -139,9 +168,79 @@ impl Builder {
             self.views[view].count(square, observations);
             self.taken += square.pixels();
         }
+        self.views.iter_mut().for_each(ViewProgress::end_batch);
         let observed: Vec<Observation> = observed.into_iter().flatten().collect();
         self.tree.record(&observed);
         self.report()
+    }
+
+    /// What the camera sees in each square.
+    fn visible_points(&self, planned: &[(usize, Square)]) -> Vec<Vec<Point>> {
+        let (world, views) = (&*self.world, &self.views);
+        self.pool.install(|| {
+            let squares = planned.par_iter().with_max_len(1);
+            squares
+                .map(|&(view, square)| sample::visible_points(world, &views[view], square))
+                .collect()
+        })
+    }
+
+    /// Settles what can be settled of the cells around some points, and splits those of which too
+    /// much is left.
+    fn prove<'p>(&mut self, points: &'p [Vec<Point>]) {
+        let Some(prover) = &self.prover else { return };
+        let settings = self.tree.settings();
+        let dense = settings.split_samples as usize;
+        let origin = |point: &&Point| point.surface.shadow_origin;
+        let mut left: Vec<&Point> = points.iter().flatten().collect();
+        // What is certain of the cells that the points left over were in.
+        let mut above: BTreeMap<CellKey, Region> = BTreeMap::new();
+        while !left.is_empty() {
+            let tree = &self.tree;
+            let mut placed: Vec<(CellKey, &Point)> = left
+                .iter()
+                .map(|point| (tree.key_at(origin(point)), *point))
+                .collect();
+            placed.sort_by_key(|&(key, _)| key);
+            let cells: Vec<&[(CellKey, &Point)]> = placed.chunk_by(|a, b| a.0 == b.0).collect();
+            let world = &*self.world;
+            let settle = |cell: &[(CellKey, &'p Point)]| {
+                let key = cell[0].0;
+                let points: Vec<&'p Point> = cell.iter().map(|(_, point)| *point).collect();
+                let lie = tree.lie_at(origin(&points[0]));
+                if points.len() > CROWDED * dense && key.depth() < settings.max_depth {
+                    // It will be split anyway.
+                    return (key, Some(Region::default()), points);
+                }
+                let parent = CellKey::from_raw(key.raw() >> 3);
+                let above = parent.and_then(|parent| above.get(&parent));
+                let bounds = tree.cube().cell_bounds(key);
+                let region = prover.settle(world, lie, above, bounds, &points);
+                (key, region, points)
+            };
+            let settled: Vec<(CellKey, Option<Region>, Vec<&Point>)> = self
+                .pool
+                .install(|| cells.par_iter().map(|cell| settle(cell)).collect());
+            left.clear();
+            let mut next = BTreeMap::new();
+            for (key, region, points) in settled {
+                let Some(region) = region else { continue };
+                let open = region
+                    .lights
+                    .iter()
+                    .filter(|(_, proof)| *proof == Proof::Open);
+                let complexity = region.listed() + open.count() * settings.crowd as usize;
+                let is_complex =
+                    region.bounds.is_empty() || complexity > settings.split_threshold as usize;
+                if is_complex && points.len() >= dense && self.tree.split(key) {
+                    left.extend(points);
+                    next.insert(key, region);
+                } else if !region.bounds.is_empty() {
+                    self.tree.settle(key, region);
+                }
+            }
+            above = next;
+        }
     }
 
     /// Samples the views until they have converged, or until `max_samples` are recorded in

@@ -1,18 +1,19 @@
 use glam::Vec3;
 use lie_accel::{PACKET, RayPacket};
 use lie_geom::{RandomKey, Ray, sampling};
-use lie_octree::{GROUP, LieTree, Observation, Observer, ShadowRay, Visibility};
+use lie_octree::{GROUP, LieTree, Observation, Observer, Proof, ShadowRay, Visibility};
 use lie_render::{Brdf, LightPoints, LightRay, World};
 use lie_scene::Surface;
 
 use super::neighbours::Neighbours;
+use super::prove::Prover;
 use super::view::{Square, ViewProgress};
 
 const _: () = assert!(GROUP == PACKET, "construction's groups of rays are packets");
 
 /// A pixel's surface point.
-struct Point {
-    surface: Surface,
+pub(super) struct Point {
+    pub(super) surface: Surface,
     brdf: Brdf,
     key: RandomKey,
 }
@@ -28,38 +29,52 @@ impl Point {
     }
 }
 
-/// Samples the view once in every pixel of a square: LIE §4.1, but for all rays to a light
-/// that a frame would trace instead of one.
-pub(super) fn observe_square(
-    world: &World,
-    neighbours: &Neighbours,
-    tree: &LieTree,
-    progress: &ViewProgress,
-    square: Square,
-) -> Vec<Observation> {
-    let mut points = visible_points(world, progress, square);
-    points.sort_by_cached_key(|point| tree.key_at(point.surface.position));
-    let positions: Vec<Vec3> = points.iter().map(|point| point.surface.position).collect();
-    let strata = sampling::strata(world.scene().settings.light_samples);
-    let visibility = VisibilityOf {
-        world,
-        neighbours,
-        points: &points,
-        strata,
-    };
-    let random = progress.random(square);
-    let typical = progress.typical();
-    let mut observer = Observer::new(tree, &positions, typical, random, &visibility);
-    let mut rays = vec![];
-    for light in 0..world.scene().lights.len() as u32 {
-        rays.clear();
-        for (index, point) in (0..).zip(&points) {
-            let light_points = point.light_points(strata);
-            gather_rays(world, light, index, &light_points, &mut rays);
+/// What samples are taken with.
+pub(super) struct Sampling<'a> {
+    pub(super) world: &'a World,
+    pub(super) neighbours: &'a Neighbours,
+    pub(super) prover: Option<&'a Prover>,
+    pub(super) tree: &'a LieTree,
+    /// Luminance of a typical pixel.
+    pub(super) typical: f32,
+}
+
+impl Sampling<'_> {
+    /// Samples what the camera sees in a square's pixels: LIE §4.1, but for all rays to a light
+    /// that a frame would trace instead of one. Lights that are settled need no rays.
+    pub(super) fn observe(&self, random: RandomKey, mut points: Vec<Point>) -> Vec<Observation> {
+        let (world, tree) = (self.world, self.tree);
+        points.sort_by_cached_key(|point| tree.key_at(point.surface.shadow_origin));
+        let origins = points.iter().map(|point| point.surface.shadow_origin);
+        let origins: Vec<Vec3> = origins.collect();
+        let strata = sampling::strata(world.scene().settings.light_samples);
+        let visibility = VisibilityOf {
+            world,
+            neighbours: self.neighbours,
+            points: &points,
+            strata,
+        };
+        let mut observer = Observer::new(tree, &origins, self.typical, random, &visibility);
+        let mut rays = vec![];
+        for light in 0..world.scene().lights.len() as u32 {
+            rays.clear();
+            let is_served = self.prover.is_some_and(|prover| prover.serves(light));
+            for (index, point) in (0..).zip(&points) {
+                match observer.proof(index, light) {
+                    // Nobody has tried, since it does not reach the cell's points.
+                    None if is_served => {}
+                    None | Some(Proof::Open) => {
+                        gather_rays(world, light, index, &point.light_points(strata), &mut rays);
+                    }
+                    Some(_) => observer.certain(index),
+                }
+            }
+            if !rays.is_empty() {
+                observer.light(light, &rays);
+            }
         }
-        observer.light(light, &rays);
+        observer.finish()
     }
-    observer.finish()
 }
 
 /// The shadow rays from one point to one light that LIEs answer for.
@@ -97,7 +112,7 @@ fn gather_rays(
 }
 
 /// What the camera sees in a square's pixels, traced in packets of 4 × 4.
-fn visible_points(world: &World, progress: &ViewProgress, square: Square) -> Vec<Point> {
+pub(super) fn visible_points(world: &World, progress: &ViewProgress, square: Square) -> Vec<Point> {
     let mut points = vec![];
     for block in square.blocks() {
         let mut rays = [Ray::new(Vec3::ZERO, Vec3::X); PACKET];

@@ -204,8 +204,13 @@ impl ViewProgress {
                 };
                 self.last = [Some(found), self.last[0]];
             }
-        } else if self.last[0].is_none() {
-            self.typical = pass.mean();
+        }
+    }
+
+    /// Ends a batch: the first pass has no other to know the picture's luminance from.
+    pub(super) fn end_batch(&mut self) {
+        if self.last[0].is_none() && self.pass.pixels > 0 {
+            self.typical = self.pass.mean();
         }
     }
 }

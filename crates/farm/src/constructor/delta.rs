@@ -81,7 +81,12 @@ fn fitted(state: &CellState) -> (WireCell, usize) {
             every.into_iter().take(limit::LIGHTS).collect()
         }
     };
+    let region = match &cell.body {
+        WireBody::Interior => None,
+        WireBody::Leaf { region, .. } => *region,
+    };
     let body = WireBody::Leaf {
+        region,
         lights: vec![],
         hidden: vec![],
         crowded,
@@ -99,10 +104,11 @@ fn most_bytes(cell: &WireCell) -> usize {
             lights,
             hidden,
             crowded,
+            ..
         } => {
             let lights = lights.iter().map(|light| 10 + 5 * light.occluders.len());
             lights.sum::<usize>() + 5 * (hidden.len() + crowded.len())
         }
     };
-    32 + lights
+    64 + lights
 }

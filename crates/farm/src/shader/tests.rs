@@ -19,6 +19,7 @@ fn cell(key: u64, version: u64) -> WireCell {
         key,
         version,
         body: WireBody::Leaf {
+            region: None,
             lights: vec![],
             hidden: vec![],
             crowded: vec![],

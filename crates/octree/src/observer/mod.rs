@@ -6,7 +6,7 @@ use glam::Vec3;
 use lie_geom::{RandomKey, Ray};
 
 use crate::{
-    GROUP, Lie, LieTree, LightEvidence, Observation, Occluder, Outcome, ShadowRay, Standing,
+    GROUP, Lie, LieTree, LightEvidence, Observation, Occluder, Outcome, Proof, ShadowRay, Standing,
     Visibility,
 };
 
@@ -147,6 +147,20 @@ impl<'a, V: Visibility> Observer<'a, V> {
         self.aim_past_new(light, rays);
     }
 
+    /// What is certain of how a light reaches a point; `None` if nobody has tried to settle it.
+    #[must_use]
+    pub fn proof(&self, point: u32, light: u32) -> Option<&'a Proof> {
+        let place = self.places[point as usize] as usize;
+        self.cells[place].region().proof(light)
+    }
+
+    /// Counts a light that needs no rays from a point.
+    pub fn certain(&mut self, point: u32) {
+        let seen = &mut self.observations[point as usize];
+        seen.evaluations += 1;
+        seen.trusted += 1;
+    }
+
     /// The observations, in the order of the points.
     #[must_use]
     pub fn finish(mut self) -> Vec<Observation> {
@@ -274,8 +288,10 @@ impl<'a, V: Visibility> Observer<'a, V> {
                 let shown = match standing {
                     Standing::Lit(_) => !fate.is_listed,
                     Standing::Hidden => false,
-                    // The shader asks the scene, and is right.
-                    Standing::Doubtful | Standing::Crowded => fate.blocker.is_none(),
+                    // The shader asks the scene, or has no need to, and is right.
+                    Standing::Doubtful | Standing::Crowded | Standing::Certain => {
+                        fate.blocker.is_none()
+                    }
                 };
                 weight += ray.weight;
                 self.scratch.reached[place] |= fate.blocker.is_none();

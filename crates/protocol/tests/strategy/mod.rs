@@ -90,11 +90,13 @@ fn cell() -> impl Strategy<Value = WireCell> {
     let body = prop_oneof![
         Just(WireBody::Interior),
         (
+            proptest::option::of(any::<[[f32; 3]; 2]>()),
             vec(light, 0..5),
             vec(any::<u32>(), 0..5),
             vec(any::<u32>(), 0..5)
         )
-            .prop_map(|(lights, hidden, crowded)| WireBody::Leaf {
+            .prop_map(|(region, lights, hidden, crowded)| WireBody::Leaf {
+                region,
                 lights,
                 hidden,
                 crowded

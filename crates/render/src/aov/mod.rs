@@ -166,7 +166,9 @@ impl Pass<'_> {
             };
             hits += 1;
             let brdf = Brdf::new(self.world.scene(), &surface);
-            let cell = self.lies.map(|lies| lies.lookup.cell(surface.position));
+            let cell = self
+                .lies
+                .map(|lies| lies.lookup.cell(surface.shadow_origin));
             let points = LightPoints {
                 surface: &surface,
                 brdf: &brdf,

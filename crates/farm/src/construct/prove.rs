@@ -1,0 +1,194 @@
+//! What can be settled about a cell's lights without samples.
+
+use glam::Vec3;
+use lie_accel::{MeshEdges, Shaft};
+use lie_geom::{Aabb, Ray};
+use lie_octree::{Lie, Proof, Region};
+use lie_render::World;
+use lie_scene::{Light, LightKind};
+
+use super::sample::Point;
+
+/// Settles lights by geometry alone: points and spots, wherever nothing is in the way of a cell,
+/// or everything, or few enough triangles to list.
+pub(super) struct Prover {
+    edges: MeshEdges,
+    /// Box around the scene.
+    bounds: Aabb,
+    /// For each light its place, if it has no extent.
+    places: Vec<Option<Vec3>>,
+    /// Triangles that a list may have.
+    longest: usize,
+}
+
+/// Triangles that a proof of a hidden light may take.
+const COVER: usize = 128;
+
+/// Surfaces that are tried to hide a light, beside the first.
+const STARTS: usize = 4;
+
+impl Prover {
+    /// Makes ready for a scene: finds the neighbours of its triangles.
+    pub(super) fn new(world: &World, longest: u32) -> Self {
+        let scene = world.scene();
+        let place = |light: &Light| match light.kind {
+            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
+            LightKind::Directional { .. } | LightKind::Area(_) => None,
+        };
+        let places: Vec<_> = scene.lights.iter().map(place).collect();
+        let edges = if places.iter().any(Option::is_some) {
+            MeshEdges::new(scene.geometry.shapes())
+        } else {
+            MeshEdges::default()
+        };
+        Self {
+            edges,
+            bounds: scene.geometry.bounds(),
+            places,
+            longest: longest as usize,
+        }
+    }
+
+    /// Whether it can do anything at all.
+    pub(super) fn is_idle(&self) -> bool {
+        self.places.iter().all(Option::is_none)
+    }
+
+    /// The region that takes in these points as well, and what is certain there; `None` if that is
+    /// what is known already. `cell` is the cell's box; `above` is what is certain of a cell
+    /// around it.
+    pub(super) fn settle(
+        &self,
+        world: &World,
+        lie: &Lie,
+        above: Option<&Region>,
+        cell: Aabb,
+        points: &[&Point],
+    ) -> Option<Region> {
+        let known = lie.region();
+        let facing = Facing::new(points);
+        let holds = contains(&known.bounds, &facing.bounds);
+        let bounds = if holds {
+            known.bounds
+        } else {
+            widened(known.bounds.union(facing.bounds), cell)
+        };
+        let above = above.filter(|above| contains(&above.bounds, &bounds));
+        let mut is_news = !holds;
+        let mut lights = vec![];
+        for (light, form) in (0..).zip(&world.scene().lights) {
+            let Some(place) = self.places[light as usize] else {
+                continue;
+            };
+            let before = known.proof(light);
+            if before.is_none() && !facing.is_reached(form, place) {
+                continue;
+            }
+            let proof = match (before, above.and_then(|above| above.proof(light))) {
+                (Some(before), _) if holds => before.clone(),
+                // What holds of the whole holds of its parts.
+                (_, Some(proof @ (Proof::Unoccluded | Proof::Hidden))) => proof.clone(),
+                _ => {
+                    is_news = true;
+                    self.prove(world, place, bounds)
+                }
+            };
+            lights.push((light, proof));
+        }
+        is_news.then_some(Region { bounds, lights })
+    }
+
+    /// Whether a light is one that cells are told of whenever it may reach them.
+    pub(super) fn serves(&self, light: u32) -> bool {
+        self.places[light as usize].is_some()
+    }
+
+    /// What is certain between a place and a box.
+    fn prove(&self, world: &World, place: Vec3, ends: Aabb) -> Proof {
+        let scene = world.scene();
+        let shaft = Shaft::new(place, ends, self.bounds);
+        let through = Ray::segment_from(place, ends.center());
+        let shapes = scene.geometry.shapes();
+        let is_solid = |triangle| !world.has_holes(triangle);
+        let covers = |start| shaft.is_covered(start, shapes, &self.edges, is_solid, COVER);
+        let blocker = world.accel().blocker(&through);
+        if blocker.is_some_and(covers) {
+            return Proof::Hidden;
+        }
+        let mut found = vec![];
+        let is_all = world.accel().inside(&shaft, self.longest, &mut found);
+        if let Some(blocker) = blocker {
+            // Another surface on the way may cover what this one does not.
+            let others = found.iter().copied().filter(|&other| {
+                other != blocker && shapes[other as usize].intersect(&through).is_some()
+            });
+            if others.take(STARTS).any(covers) {
+                return Proof::Hidden;
+            }
+        }
+        if !is_all {
+            return Proof::Open;
+        }
+        if found.is_empty() {
+            return Proof::Unoccluded;
+        }
+        found.sort_unstable();
+        Proof::Behind(found.into())
+    }
+}
+
+fn contains(outer: &Aabb, inner: &Aabb) -> bool {
+    outer.contains(inner.min) && outer.contains(inner.max)
+}
+
+/// Somewhat more than what was seen, so that the next points close by are inside: all of the cell
+/// along an axis that the surface runs along.
+fn widened(seen: Aabb, cell: Aabb) -> Aabb {
+    let (mut min, mut max) = (seen.min, seen.max);
+    let sides = cell.size();
+    for axis in 0..3 {
+        let extent = seen.max[axis] - seen.min[axis];
+        if extent > 0.25 * sides[axis] {
+            min[axis] = min[axis].min(cell.min[axis]);
+            max[axis] = max[axis].max(cell.max[axis]);
+        } else {
+            min[axis] -= 0.1 * extent;
+            max[axis] += 0.1 * extent;
+        }
+    }
+    Aabb { min, max }
+}
+
+/// Points of a cell, as far as it matters which lights reach them if nothing is in between.
+struct Facing {
+    /// Where their shadow rays start.
+    bounds: Aabb,
+    /// Each normal that occurs, and the least distance along it that a point has.
+    sides: Vec<(Vec3, f32)>,
+}
+
+impl Facing {
+    fn new(points: &[&Point]) -> Self {
+        let mut sides: Vec<(Vec3, f32)> = vec![];
+        for point in points {
+            let normal = point.surface.geometric_normal;
+            let along = normal.dot(point.surface.position);
+            // Neighbours mostly share a triangle.
+            match sides.iter_mut().rfind(|side| side.0 == normal) {
+                Some(side) => side.1 = side.1.min(along),
+                None => sides.push((normal, along)),
+            }
+        }
+        Self {
+            bounds: Aabb::around(points.iter().map(|point| point.surface.shadow_origin)),
+            sides,
+        }
+    }
+
+    /// Whether a light at a place may reach any of the points; in doubt it does.
+    fn is_reached(&self, light: &Light, place: Vec3) -> bool {
+        let room = 1.0e-5 * (1.0 + place.abs().max_element());
+        let faces = |&(normal, least): &(Vec3, f32)| normal.dot(place) > least - room;
+        self.sides.iter().any(faces) && light.may_reach(self.bounds)
+    }
+}
