@@ -476,4 +476,50 @@ mod tests {
         }
         assert_eq!(triangles(&part, 0), [(8, true)]);
     }
+
+    #[test]
+    fn what_is_certain_comes_before_what_samples_say() {
+        let mut lie = Lie::default();
+        for _ in 0..4 {
+            record(&mut lie, &[(0, SEEN), (1, Some(7)), (2, SEEN), (4, SEEN)]);
+        }
+        let region = Region {
+            bounds: Aabb::around([Vec3::ZERO, Vec3::ONE]),
+            lights: vec![
+                (0, Proof::Hidden),
+                (1, Proof::Unoccluded),
+                (3, Proof::Behind([8, 9].into())),
+                (4, Proof::Open),
+            ],
+        };
+        lie.settle(region.clone());
+        assert_eq!(lie.evidence(0), None, "it is not needed any more");
+        assert_eq!(standing(&lie, 0, 2), "certain");
+        assert_eq!(standing(&lie, 4, 2), "lit", "nothing was settled");
+        let state = lie.state(2, 6);
+        let lit: Vec<(u32, usize)> = state
+            .lights
+            .iter()
+            .map(|lit| (lit.light, lit.occluders.len()))
+            .collect();
+        assert_eq!(lit, [(1, 0), (2, 0), (3, 2), (4, 0)]);
+        assert_eq!(state.hidden, [0, 5]);
+        assert_eq!(state.region, Some(region.bounds));
+        assert_eq!(lie.complexity(3), 2);
+        record(&mut lie, &[(4, SEEN)]);
+        assert_eq!(lie.region().bounds, region.bounds);
+        assert_eq!(lie.part(1).region(), &Region::default());
+    }
+
+    #[test]
+    fn a_cell_holds_where_it_was_seen() {
+        let mut lie = Lie::default();
+        for point in [Vec3::ZERO, Vec3::X] {
+            let seen = Observation::at(point);
+            lie.record(std::iter::once(&seen), &SETTINGS);
+        }
+        let bounds = Aabb::around([Vec3::ZERO, Vec3::X]);
+        assert_eq!(lie.state(1, 0).region, Some(bounds));
+        assert_eq!(lie.state(0, 0).region, None, "the paper's holds everywhere");
+    }
 }

@@ -81,8 +81,9 @@ pub struct BatchReport {
     pub samples: u64,
     /// Pixels sampled so far, those that show no surface included.
     pub taken: u64,
-    /// Relative RMSE of the picture over the last pass through the pixels' centres, the largest
-    /// of all views; `None` before every view has seen a whole pass.
+    /// Relative RMSE of the picture over the last pass through the pixels' centres, as far as
+    /// samples answer for it: what is certain is counted neither in the error nor in the mean.
+    /// The largest of all views; `None` before every view has seen a whole pass.
     pub estimated_error: Option<f32>,
     /// Whether every view has converged: more construction would make its picture neither
     /// better nor much cheaper.
@@ -111,7 +112,7 @@ impl Builder {
         // The paper's mode proves nothing, and masking wants to see what lights give.
         let lie = tree.settings();
         let may_prove = settings.proofs && lie.trust > 0 && lie.masking == 0.0;
-        let prover = may_prove.then(|| Prover::new(&world, lie.crowd));
+        let prover = may_prove.then(|| Prover::new(&world));
         Ok(Self {
             prover: prover.filter(|prover| !prover.is_idle()),
             neighbours: Neighbours::new(&world.scene().geometry),

@@ -17,9 +17,11 @@ pub(super) struct Prover {
     bounds: Aabb,
     /// For each light its place, if it has no extent.
     places: Vec<Option<Vec3>>,
-    /// Triangles that a list may have.
-    longest: usize,
 }
+
+/// Triangles that a list of all that may be in the way can have. A longer one costs as much as
+/// asking the scene, and samples find a shorter one.
+const LONGEST: usize = 128;
 
 /// Triangles that a proof of a hidden light may take.
 const COVER: usize = 128;
@@ -29,7 +31,7 @@ const STARTS: usize = 4;
 
 impl Prover {
     /// Makes ready for a scene: finds the neighbours of its triangles.
-    pub(super) fn new(world: &World, longest: u32) -> Self {
+    pub(super) fn new(world: &World) -> Self {
         let scene = world.scene();
         let place = |light: &Light| match light.kind {
             LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
@@ -45,7 +47,6 @@ impl Prover {
             edges,
             bounds: scene.geometry.bounds(),
             places,
-            longest: longest as usize,
         }
     }
 
@@ -116,7 +117,7 @@ impl Prover {
             return Proof::Hidden;
         }
         let mut found = vec![];
-        let is_all = world.accel().inside(&shaft, self.longest, &mut found);
+        let is_all = world.accel().inside(&shaft, LONGEST, &mut found);
         if let Some(blocker) = blocker {
             // Another surface on the way may cover what this one does not.
             let others = found.iter().copied().filter(|&other| {
