@@ -14,7 +14,7 @@ use crate::{args::say, process};
 /// The paper's Figure 4: pictures of what each pixel costs, without masking and with it.
 ///
 /// Costs are counted and weighed, not timed: the same on every machine. The standard's stand
-/// beside them.
+/// beside them. Masking goes by samples: --trust 0 or --no-proofs compares like with like.
 #[derive(Args)]
 pub(crate) struct Figure4 {
     #[command(flatten)]
