@@ -43,6 +43,9 @@ pub enum Standing<'a> {
 /// worth more than the next ray.
 const PER_SAMPLE: u32 = 2;
 
+/// So many times the rays must agree on a light that geometry could not settle.
+const OPEN: u32 = 4;
+
 /// A plane through a cell leaves a surface in one of its parts about so much of its samples.
 pub(crate) const QUARTER: u32 = 4;
 
@@ -98,6 +101,14 @@ impl Lie {
         self.is_blank() || (trust > 0 && self.samples == 0)
     }
 
+    /// Whether enough rays agree on a light. Where geometry could not settle it much is in the
+    /// way, and it takes more of them.
+    fn is_trusted(&self, entry: &LightEvidence, trust: u32) -> bool {
+        let is_open = self.region.proof(entry.light).is_some();
+        let factor = if is_open { OPEN } else { 1 };
+        entry.is_trusted(trust.saturating_mul(factor))
+    }
+
     /// Whether lights that it has no evidence of are known to give it nothing: they shine
     /// elsewhere, or its surfaces face away.
     fn is_dark_known(&self, trust: u32) -> bool {
@@ -132,7 +143,7 @@ impl Lie {
         match self.evidence(light) {
             _ if trust > 0 && self.samples == 0 => Standing::Doubtful,
             Some(entry) if entry.crowded => Standing::Crowded,
-            Some(entry) if !entry.is_trusted(trust) => Standing::Doubtful,
+            Some(entry) if !self.is_trusted(entry, trust) => Standing::Doubtful,
             Some(entry) if entry.is_lit() => Standing::Lit(entry),
             None if !self.is_dark_known(trust) => Standing::Doubtful,
             _ => Standing::Hidden,
@@ -231,7 +242,7 @@ impl Lie {
         if self.is_untold(trust) {
             return LieState::default();
         }
-        let trusted = |entry: &&LightEvidence| entry.is_trusted(trust);
+        let trusted = |entry: &&LightEvidence| self.is_trusted(entry, trust);
         let sampled = self
             .lights()
             .filter(|entry| !entry.crowded && entry.mask != Some(Mask::LeftOut))
@@ -275,7 +286,7 @@ impl Lie {
         let is_left_out = |light: &u32| match rest.next_if(|entry| entry.light == *light) {
             Some(entry) => {
                 let is_left_out = entry.mask == Some(Mask::LeftOut) || !entry.is_lit();
-                is_left_out && entry.is_trusted(trust)
+                is_left_out && self.is_trusted(entry, trust)
             }
             None => match self.region.proof(*light) {
                 Some(Proof::Hidden) => true,
@@ -480,7 +491,7 @@ mod tests {
     #[test]
     fn what_is_certain_comes_before_what_samples_say() {
         let mut lie = Lie::default();
-        for _ in 0..4 {
+        for _ in 0..8 {
             record(&mut lie, &[(0, SEEN), (1, Some(7)), (2, SEEN), (4, SEEN)]);
         }
         let region = Region {
@@ -496,6 +507,8 @@ mod tests {
         assert_eq!(lie.evidence(0), None, "it is not needed any more");
         assert_eq!(standing(&lie, 0, 2), "certain");
         assert_eq!(standing(&lie, 4, 2), "lit", "nothing was settled");
+        assert_eq!(standing(&lie, 2, 8), "lit");
+        assert_eq!(standing(&lie, 4, 8), "doubtful", "it takes more");
         let state = lie.state(2, 6);
         let lit: Vec<(u32, usize)> = state
             .lights
