@@ -41,6 +41,7 @@ mod occluder_lists;
 mod one_by_one;
 mod point_group;
 mod point_lanes;
+mod shading_point;
 mod shadow_queue;
 mod stats;
 mod tile;

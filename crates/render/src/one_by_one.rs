@@ -6,7 +6,7 @@ use lie_accel::RayPacket;
 
 use crate::{
     LieCell, LightRay, World, light_rays::LightPoints, occluder_lists::OpenLists,
-    shadow_queue::ShadowQueue, tile_renderer::ShadingPoint, ward,
+    shading_point::ShadingPoint, shadow_queue::ShadowQueue, ward,
 };
 
 /// Light that is gathered point by point: directional lights, rays along smooth surfaces'

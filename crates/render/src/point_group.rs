@@ -11,7 +11,7 @@ use crate::{
     light_rays::is_simple,
     occluder_lists::OpenLists,
     point_lanes::{Lanes, PointLanes, RadianceLanes, carrying},
-    tile_renderer::ShadingPoint,
+    shading_point::ShadingPoint,
     world::LightForm,
 };
 

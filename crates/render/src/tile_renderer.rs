@@ -9,9 +9,10 @@ use lie_geom::{RandomKey, Ray, sampling::strata};
 use lie_scene::{Camera, CameraFilm, RenderSettings, Surface};
 
 use crate::{
-    Brdf, LieCell, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
+    Brdf, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
     one_by_one::OneByOne,
     point_group::{GroupWork, ListScratch, PointGroup},
+    shading_point::ShadingPoint,
 };
 
 /// All that a frame's pixels depend on, beside scene, camera and LIEs.
@@ -125,16 +126,6 @@ struct TileRenderer<'a> {
     exact: Vec<(usize, LightRay)>,
     scratch: ListScratch,
     cancelled: &'a AtomicBool,
-}
-
-/// A camera ray that met a surface, waiting for its light.
-pub(crate) struct ShadingPoint<'a> {
-    /// Index of its pixel in the square.
-    pub(crate) pixel: usize,
-    pub(crate) key: RandomKey,
-    pub(crate) surface: Surface,
-    pub(crate) brdf: Brdf,
-    pub(crate) cell: Option<&'a LieCell>,
 }
 
 impl TileRenderer<'_> {

@@ -1,4 +1,5 @@
 mod neighbours;
+mod point;
 mod prove;
 mod sample;
 mod view;
@@ -12,8 +13,8 @@ use rayon::prelude::*;
 pub use self::view::View;
 use self::{
     neighbours::Neighbours,
+    point::Point,
     prove::Prover,
-    sample::Point,
     view::{Square, ViewProgress},
 };
 
@@ -181,7 +182,7 @@ impl Builder {
         self.pool.install(|| {
             let squares = planned.par_iter().with_max_len(1);
             squares
-                .map(|&(view, square)| sample::visible_points(world, &views[view], square))
+                .map(|&(view, square)| point::visible_points(world, &views[view], square))
                 .collect()
         })
     }

@@ -7,7 +7,7 @@ use lie_octree::{Lie, Proof, Region};
 use lie_render::World;
 use lie_scene::{Light, LightKind};
 
-use super::sample::Point;
+use super::point::Point;
 
 /// Settles lights by geometry alone: points and spots, wherever nothing is in the way of a cell,
 /// or everything, or few enough triangles to list.
