@@ -98,8 +98,9 @@ pub(crate) struct Construction {
     pub(crate) samples: Option<u64>,
     /// Samples that must agree on a light in a cell before it is relied on, if it gives all
     /// of a pixel's light; in proportion fewer if it gives less. Until then its shadow rays
-    /// are traced through the scene. 0 is the paper, which has no --crowd, --split-samples 1
-    /// and --from-scratch besides.
+    /// are traced through the scene. Where geometry was asked and could not settle a light it
+    /// takes four times as many. 0 is the paper, which has no --crowd, --split-samples 1 and
+    /// --from-scratch besides.
     #[arg(long, value_name = "N")]
     trust: Option<u32>,
     /// Levels below the root that the octree may reach, 1 to 20; the scene's by default.

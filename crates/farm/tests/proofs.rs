@@ -155,6 +155,7 @@ fn threads_change_nothing() {
     let [one, two] = [1, 2].map(|threads| construct(&world, threads, true));
     let keys = one.tree().keys();
     assert_eq!(keys, two.tree().keys());
+    one.tree().validate().unwrap();
     for key in keys {
         assert_eq!(one.tree().state(key), two.tree().state(key));
     }

@@ -55,7 +55,7 @@ impl Default for LieSettings {
 pub struct LieStats {
     /// Leaves with at least one sample.
     pub cells: u64,
-    /// Lights summed over the leaves.
+    /// Lights that reach them, by samples or by proof, summed over the leaves.
     pub entries: u64,
     /// Those of them that are masked.
     pub masked: u64,
@@ -281,9 +281,9 @@ impl LieTree {
                 return;
             }
             stats.cells += u64::from(lie.samples() > 0);
-            stats.entries += lie.lights().count() as u64;
+            stats.entries += (lie.lights().count() + lie.region().lit()) as u64;
             stats.masked += lie.lights().filter(|entry| entry.mask.is_some()).count() as u64;
-            stats.occluders += lie.listed() as u64;
+            stats.occluders += (lie.listed() + lie.region().listed()) as u64;
             stats.bytes += (size_of::<Lie>() + lie.bytes()) as u64;
         });
         stats
@@ -298,6 +298,10 @@ impl LieTree {
         let may_be_listed = |listed: usize| listed <= self.settings.crowd as usize;
         self.tree.for_each(|key, cell| {
             let Cell::Leaf(lie) = cell else { return };
+            let region = lie.region();
+            let is_certain = |entry: &LightEvidence| region.is_settled(entry.light);
+            let one_verdict = region.lights.is_sorted_by(|a, b| a.0 < b.0)
+                && !lie.lights().chain(lie.hidden()).any(is_certain);
             let rising = lie.lights().is_sorted_by(|a, b| a.light < b.light)
                 && lie.hidden().is_sorted_by(|a, b| a.light < b.light);
             let counted = |entry: &LightEvidence| {
@@ -310,6 +314,7 @@ impl LieTree {
             let allowed = f64::from(self.settings.masking) * f64::from(lie.shown.least());
             let inherited = |entry: &LightEvidence| entry.inherited && self.settings.inherit;
             let holds = rising
+                && one_verdict
                 && lie
                     .lights()
                     .all(|entry| entry.clear >= 1 || inherited(entry))

@@ -45,6 +45,14 @@ impl Region {
         self.proof(light).is_some_and(|proof| *proof != Proof::Open)
     }
 
+    /// Lights that are certain to reach some of it.
+    #[must_use]
+    pub fn lit(&self) -> usize {
+        let is_lit =
+            |entry: &&(u32, Proof)| matches!(entry.1, Proof::Unoccluded | Proof::Behind(_));
+        self.lights.iter().filter(is_lit).count()
+    }
+
     /// Triangles in all of its lists.
     #[must_use]
     pub fn listed(&self) -> usize {

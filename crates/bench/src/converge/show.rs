@@ -121,11 +121,10 @@ const ABOUT: [&str; 2] = [
     "LIEs of a view, constructed from nothing on all threads. At each mark a frame is \
      rendered with the LIEs so far, on a clock of its own. Mode *paper* relies on what little \
      is known; mode *trust* traces what is in doubt. Errors are relative RMSE against the \
-     standard's picture. A view has converged when a pass over it changed its picture by less \
-     than the tolerance and the LIEs answer 99 % of its light evaluations; a dash says that \
-     this did not happen in the passes or the time given. Where very many occluders are in \
-     the way the scene itself is asked for good, in both modes, and a view of such places \
-     does not converge by this measure.",
+     standard's picture. A view has converged when more construction would make its picture \
+     neither better nor much cheaper (decision 21); a dash says that this did not happen in \
+     the passes or the time given. Where very many occluders are in the way the scene itself \
+     is asked for good, in both modes.",
     "The worst of the walk is the largest error among frames a quarter of a second apart, \
      from the middle of the scene's first walkthrough on: LIEs start from nothing with four \
      passes over the view before the first, and then get a quarter of a pass before each frame.",

@@ -113,7 +113,7 @@ impl Builder {
         // The paper's mode proves nothing, and masking wants to see what lights give.
         let lie = tree.settings();
         let may_prove = settings.proofs && lie.trust > 0 && lie.masking == 0.0;
-        let prover = may_prove.then(|| Prover::new(&world));
+        let prover = may_prove.then(|| Prover::new(&world, lie.crowd));
         Ok(Self {
             prover: prover.filter(|prover| !prover.is_idle()),
             neighbours: Neighbours::new(&world.scene().geometry),

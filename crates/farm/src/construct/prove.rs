@@ -17,9 +17,11 @@ pub(super) struct Prover {
     bounds: Aabb,
     /// For each light its place, if it has no extent.
     places: Vec<Option<Vec3>>,
+    /// Triangles that a list can have.
+    longest: usize,
 }
 
-/// Triangles that a list of all that may be in the way can have. A longer one costs as much as
+/// Triangles that a list of all that may be in the way can have at most. A longer one costs as much as
 /// asking the scene, and samples find a shorter one.
 const LONGEST: usize = 128;
 
@@ -30,8 +32,9 @@ const COVER: usize = 128;
 const STARTS: usize = 4;
 
 impl Prover {
-    /// Makes ready for a scene: finds the neighbours of its triangles.
-    pub(super) fn new(world: &World) -> Self {
+    /// Makes ready for a scene: finds the neighbours of its triangles. No list gets longer than
+    /// `crowd`.
+    pub(super) fn new(world: &World, crowd: u32) -> Self {
         let scene = world.scene();
         let place = |light: &Light| match light.kind {
             LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
@@ -47,6 +50,7 @@ impl Prover {
             edges,
             bounds: scene.geometry.bounds(),
             places,
+            longest: LONGEST.min(crowd as usize),
         }
     }
 
@@ -117,7 +121,7 @@ impl Prover {
             return Proof::Hidden;
         }
         let mut found = vec![];
-        let is_all = world.accel().inside(&shaft, LONGEST, &mut found);
+        let is_all = world.accel().inside(&shaft, self.longest, &mut found);
         if let Some(blocker) = blocker {
             // Another surface on the way may cover what this one does not.
             let others = found.iter().copied().filter(|&other| {
