@@ -19,7 +19,8 @@ const PASSES: u64 = 4;
 /// Columns and rows: the paper's.
 const SIZE: UVec2 = UVec2::splat(512);
 
-/// Bytes that a shader may hold when it has seen the whole walkthrough: the paper's 50 MB.
+/// Bytes that a shader's cells may hold, by the usual settings, when it has seen the whole
+/// walkthrough: the paper's 50 MB.
 const SHADER_LIMIT: u64 = 50_000_000;
 
 #[test]
