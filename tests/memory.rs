@@ -8,6 +8,7 @@ use std::{path::Path, sync::Arc};
 
 use glam::UVec2;
 use lie_farm::{Builder, ConstructSettings, LieReplica, View};
+use lie_octree::LieSettings;
 use lie_render::World;
 
 /// Seconds of the walkthrough from one view to the next.
@@ -19,17 +20,28 @@ const PASSES: u64 = 4;
 /// Columns and rows: the paper's.
 const SIZE: UVec2 = UVec2::splat(512);
 
-/// Bytes that a shader's cells may hold, by the usual settings, when it has seen the whole
-/// walkthrough: the paper's 50 MB.
+/// Bytes that a shader's cells may hold when it has seen the whole walkthrough: the paper's
+/// 50 MB.
 const SHADER_LIMIT: u64 = 50_000_000;
 
 #[test]
 #[ignore = "takes many minutes"]
 fn the_mosque_over_its_tour() {
+    walk(LieSettings::default().trust);
+}
+
+#[test]
+#[ignore = "takes many minutes"]
+fn the_mosque_over_its_tour_in_the_papers_mode() {
+    walk(0);
+}
+
+fn walk(trust: u32) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/mosque");
     let scene = Arc::new(lie_scene::load(&folder).unwrap().scene);
     let world = Arc::new(World::new(scene.clone()));
-    let settings = ConstructSettings::new(&scene);
+    let mut settings = ConstructSettings::new(&scene);
+    settings.lie.trust = trust;
     let mut builder = Builder::new(world.clone(), settings).unwrap();
     let tour = &scene.walkthroughs[0];
     println!(" time  cells   lights  occluders   tree MB  shader MB");

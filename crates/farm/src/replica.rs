@@ -1,4 +1,4 @@
-use std::sync::Arc;
+use std::{collections::HashSet, sync::Arc};
 
 use glam::Vec3;
 use lie_geom::Aabb;
@@ -135,8 +135,9 @@ impl PublishedLies {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let mut bytes = 0;
+        let mut counted = HashSet::new();
         self.0.for_each_leaf(|_, cell| {
-            if !self.0.is_empty_leaf(cell) {
+            if !self.0.is_empty_leaf(cell) && counted.insert(std::ptr::from_ref(cell)) {
                 bytes += cell.bytes() as u64;
             }
         });

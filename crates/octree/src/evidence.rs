@@ -116,6 +116,12 @@ impl LightEvidence {
         }
     }
 
+    /// Keeps of what may be in the way that which can be.
+    pub(crate) fn narrow(&mut self, may_block: impl Fn(u32) -> bool) {
+        let may_block = |occluder: &&Occluder| may_block(occluder.triangle());
+        self.occluders = self.occluders.iter().filter(may_block).copied().collect();
+    }
+
     /// Whether it reaches the cell, as far as is known.
     pub(crate) fn is_lit(&self) -> bool {
         self.clear > 0 || self.inherited

@@ -44,7 +44,7 @@ pub use evidence::{LightEvidence, Mask, Occluder};
 pub use key::CellKey;
 pub use lie::{Lie, Standing};
 pub use lie_tree::{LieSettings, LieStats, LieTree};
-pub use observe::{GROUP, Observation, Outcome, ShadowRay, Visibility};
+pub use observe::{Between, GROUP, Observation, Outcome, ShadowRay, Visibility};
 pub use observer::Observer;
 pub use proof::{Proof, Region};
 pub use replica::{CellBody, CellState, LieState, LitLight, Replica};

@@ -1,8 +1,8 @@
 use lie_geom::Aabb;
 
 use crate::{
-    LieSettings, LieState, LightEvidence, LitLight, Mask, Observation, Outcome, Proof, Region,
-    masking::Shown,
+    Between, LieSettings, LieState, LightEvidence, LitLight, Mask, Observation, Outcome, Proof,
+    Region, masking::Shown,
 };
 
 /// What the constructor knows of one cell.
@@ -68,6 +68,21 @@ impl Lie {
             region: Region::default(),
             shown: Shown::default(),
             version,
+        }
+    }
+
+    /// Keeps of what it inherited that which may block rays from its own bounds.
+    pub(crate) fn narrow(&mut self, bounds: Aabb, geometry: &impl Between) {
+        // What lies on a border belongs to it, wherever rounding puts it.
+        let room = 1.0e-4 * bounds.size();
+        let ends = Aabb {
+            min: bounds.min - room,
+            max: bounds.max + room,
+        };
+        for entry in &mut self.lights {
+            if !entry.occluders.is_empty() {
+                entry.narrow(geometry.between(entry.light, ends));
+            }
         }
     }
 

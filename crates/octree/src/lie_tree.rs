@@ -4,7 +4,7 @@ use glam::Vec3;
 use lie_geom::Aabb;
 
 use crate::{
-    CellBody, CellKey, CellState, Lie, LightEvidence, Observation, Region,
+    Between, CellBody, CellKey, CellState, Lie, LightEvidence, Observation, Region,
     tree::{Cell, Cube, Octree},
 };
 
@@ -187,6 +187,12 @@ impl LieTree {
     /// their children start from nothing but these observations. They may have been made
     /// against an older state of the tree; those of one neighbourhood belong together.
     pub fn record(&mut self, observations: &[Observation]) {
+        self.record_between(observations, &());
+    }
+
+    /// The same, where the geometry is known: of the occluders that a cell inherits it keeps
+    /// those that may block its own rays.
+    pub fn record_between(&mut self, observations: &[Observation], geometry: &impl Between) {
         let mut placed: Vec<(CellKey, &Observation)> = observations
             .iter()
             .map(|observation| (self.tree.key_at(observation.point), observation))
@@ -194,17 +200,26 @@ impl LieTree {
         // Stable: within a cell, the order stays.
         placed.sort_by_key(|&(key, _)| key);
         for group in placed.chunk_by(|a, b| a.0 == b.0) {
-            self.record_in(group[0].0, group);
+            self.record_in(group[0].0, group, geometry);
         }
         self.samples += observations.len() as u64;
     }
 
     /// Takes in observations from one leaf.
-    fn record_in(&mut self, key: CellKey, group: &[(CellKey, &Observation)]) {
+    fn record_in(
+        &mut self,
+        key: CellKey,
+        group: &[(CellKey, &Observation)],
+        geometry: &impl Between,
+    ) {
         let (settings, lights, version) = (self.settings, self.lights, self.version);
+        let bounds = self.cube().cell_bounds(key);
         let Some(lie) = self.tree.leaf_mut(key) else {
             return;
         };
+        if lie.samples() == 0 {
+            lie.narrow(bounds, geometry);
+        }
         let before = lie.clone();
         lie.record(group.iter().map(|(_, seen)| *seen), &settings);
         if before.state(settings.trust, lights) != lie.state(settings.trust, lights) {
@@ -224,7 +239,7 @@ impl LieTree {
                 .collect();
             children.sort_by_key(|&(key, _)| key);
             for group in children.chunk_by(|a, b| a.0 == b.0) {
-                self.record_in(group[0].0, group);
+                self.record_in(group[0].0, group, geometry);
             }
         }
     }

@@ -1,5 +1,5 @@
 use glam::Vec3;
-use lie_geom::{RandomKey, Ray};
+use lie_geom::{Aabb, RandomKey, Ray};
 
 /// What construction needs to know of the world. Rays come in groups of at most [`GROUP`].
 pub trait Visibility: Sync {
@@ -21,6 +21,19 @@ pub trait Visibility: Sync {
     /// A ray from a point, or from the surface close to it, to a light that goes by way of a
     /// random place on a triangle, if it could carry light; and its end at the surface.
     fn aim(&self, point: u32, triangle: u32, light: u32, random: RandomKey) -> Option<(Ray, Vec3)>;
+}
+
+/// What can come between lights and cells at all, by the scene's geometry.
+pub trait Between {
+    /// Tells which triangles may block a ray from somewhere in a box to a light.
+    fn between(&self, light: u32, ends: Aabb) -> impl Fn(u32) -> bool;
+}
+
+/// Nothing is known of the geometry: everything may come between.
+impl Between for () {
+    fn between(&self, _light: u32, _ends: Aabb) -> impl Fn(u32) -> bool {
+        |_| true
+    }
 }
 
 /// Rays that are asked together.

@@ -140,17 +140,22 @@ impl<T> Replica<T> {
 
     /// Takes in one cell. `compile` turns a leaf into the form wanted here; it is called
     /// only if the state is news.
-    pub fn apply(&mut self, state: &CellState, compile: impl FnOnce(&LieState) -> T) {
+    pub fn apply(&mut self, state: &CellState, compile: impl FnOnce(&LieState) -> T)
+    where
+        T: PartialEq,
+    {
         self.apply_or_share(state, |lie| Some(compile(lie)));
     }
 
-    /// The same, where `compile` gives `None` for what is as good as knowing nothing: all
-    /// such leaves share one value.
+    /// The same, where `compile` gives `None` for what is as good as knowing nothing. All
+    /// such leaves share one value, and so do equal parts of one cell.
     pub fn apply_or_share(
         &mut self,
         state: &CellState,
         compile: impl FnOnce(&LieState) -> Option<T>,
-    ) {
+    ) where
+        T: PartialEq,
+    {
         match &state.body {
             CellBody::Inner => {
                 if state.key.depth() < CellKey::MAX_DEPTH
@@ -166,16 +171,41 @@ impl<T> Replica<T> {
                     self.tree.split(parent, &self.empty);
                 }
                 // No leaf: the cell has been split since, and this is old news.
-                if let Some(leaf) = self.tree.leaf_mut(state.key)
-                    && (leaf.version <= state.version)
-                {
-                    let value = compile(lie).map(Arc::new);
+                let is_news = matches!(self.tree.get(state.key),
+                    Some(Cell::Leaf(leaf)) if leaf.version <= state.version);
+                if !is_news {
+                    return;
+                }
+                let value = match compile(lie) {
+                    Some(value) => self.shared(state.key, value),
+                    None => self.empty.value.clone(),
+                };
+                if let Some(leaf) = self.tree.leaf_mut(state.key) {
                     *leaf = Leaf {
                         version: state.version,
-                        value: value.unwrap_or_else(|| self.empty.value.clone()),
+                        value,
                     };
                 }
             }
+        }
+    }
+
+    /// A value for a leaf: that of another part of the same cell, if one has the same.
+    fn shared(&self, key: CellKey, value: T) -> Arc<T>
+    where
+        T: PartialEq,
+    {
+        let parent = CellKey::from_raw(key.raw() >> 3);
+        let others = parent
+            .iter()
+            .flat_map(|parent| (0..8).map(|octant| parent.child(octant)));
+        let mut others = others.filter_map(|key| match self.tree.get(key) {
+            Some(Cell::Leaf(leaf)) => Some(&leaf.value),
+            _ => None,
+        });
+        match others.find(|other| ***other == value) {
+            Some(other) => other.clone(),
+            None => Arc::new(value),
         }
     }
 

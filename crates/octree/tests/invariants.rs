@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::Vec3;
 use lie_geom::{Aabb, RandomKey, Ray};
 use lie_octree::{
-    CellKey, CellState, GROUP, LieSettings, LieState, LieTree, Observation, Observer, Outcome,
-    Replica, ShadowRay, Visibility,
+    CellBody, CellKey, CellState, GROUP, LieSettings, LieState, LieTree, Observation, Observer,
+    Outcome, Replica, ShadowRay, Visibility,
 };
 use proptest::prelude::*;
 
@@ -67,6 +67,36 @@ fn snapshot(tree: &LieTree) -> Replica<LieState> {
         copy.apply(&tree.state(key).unwrap(), LieState::clone);
     }
     copy
+}
+
+#[test]
+fn equal_parts_of_a_cell_are_one() {
+    let mut copy = Replica::new(LieTree::new(BOUNDS, 6, LieSettings::default()).cube(), 0);
+    let state = |octant: usize, version: u64, light: u32| CellState {
+        key: CellKey::ROOT.child(octant),
+        version,
+        body: CellBody::Leaf(LieState {
+            hidden: vec![light],
+            ..LieState::default()
+        }),
+    };
+    for (octant, light) in [3, 5, 3, 3, 5, 3, 3, 3].into_iter().enumerate() {
+        copy.apply(&state(octant, 1, light), |lie| lie.hidden[0]);
+    }
+    let distinct = |copy: &Replica<u32>| {
+        let mut seen = BTreeSet::new();
+        copy.for_each_leaf(|_, value| {
+            seen.insert((std::ptr::from_ref(value) as usize, *value));
+        });
+        seen.len()
+    };
+    assert_eq!(distinct(&copy), 2);
+    // One of them changes: the others stay.
+    copy.apply(&state(0, 2, 4), |lie| lie.hidden[0]);
+    let mut values = vec![];
+    copy.for_each_leaf(|_, value| values.push(*value));
+    assert_eq!(values, [4, 5, 3, 3, 5, 3, 3, 3]);
+    assert_eq!(distinct(&copy), 3);
 }
 
 proptest! {

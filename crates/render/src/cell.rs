@@ -5,7 +5,7 @@ use crate::{LightSet, OccluderLists};
 
 /// A local illumination environment in the form that shading wants (LIE §4.2). A light of
 /// the scene that is in none of the lists is fully occluded, or masked.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LieCell {
     /// Where shadow rays must start for the rest to hold; `None` is everywhere.
     pub region: Option<Aabb>,

@@ -5,7 +5,7 @@
 mod cover;
 
 use glam::Vec3;
-use lie_geom::{Aabb, edge_planes, plane_offset};
+use lie_geom::{Aabb, Triangle, edge_planes, plane_offset};
 use multiversion::multiversion;
 
 use crate::{
@@ -130,24 +130,37 @@ impl Shaft {
         let mut inside = [0; BLOCK];
         for lane in 0..BLOCK {
             let (corners, normal) = block.lane(lane);
-            let planes = edge_planes(corners, self.apex);
-            let a = self.interval(planes[0]);
-            let b = self.interval(planes[1]);
-            let c = self.interval(planes[2]);
-            let before = (a[0] > 0.0) | (b[0] > 0.0) | (c[0] > 0.0);
-            let behind = (a[1] < 0.0) | (b[1] < 0.0) | (c[1] < 0.0);
-            // It is met at `offset / along`, which must lie between 0 and 1.
-            let offset = plane_offset(corners[0], normal, self.apex);
-            let along = self.interval(normal);
-            let reached =
-                ((offset > 0.0) & (along[1] > offset)) | ((offset < 0.0) & (along[0] < offset));
-            inside[lane] = if !(before & behind) & reached {
+            inside[lane] = if self.is_inside(corners, normal) {
                 1 << lane
             } else {
                 0
             };
         }
         union(&inside)
+    }
+
+    /// Whether some segment may hit a triangle.
+    #[inline(always)]
+    fn is_inside(&self, corners: [[f32; 3]; 3], normal: [f32; 3]) -> bool {
+        let planes = edge_planes(corners, self.apex);
+        let a = self.interval(planes[0]);
+        let b = self.interval(planes[1]);
+        let c = self.interval(planes[2]);
+        let before = (a[0] > 0.0) | (b[0] > 0.0) | (c[0] > 0.0);
+        let behind = (a[1] < 0.0) | (b[1] < 0.0) | (c[1] < 0.0);
+        // It is met at `offset / along`, which must lie between 0 and 1.
+        let offset = plane_offset(corners[0], normal, self.apex);
+        let along = self.interval(normal);
+        let reached =
+            ((offset > 0.0) & (along[1] > offset)) | ((offset < 0.0) & (along[0] < offset));
+        !(before & behind) & reached
+    }
+
+    /// Whether some segment may hit a triangle; in doubt it does.
+    #[must_use]
+    pub fn may_hit(&self, triangle: &Triangle) -> bool {
+        let corners = [triangle.a, triangle.b, triangle.c].map(|corner| corner.to_array());
+        self.is_inside(corners, triangle.normal.to_array())
     }
 
     /// The least and the most of a scalar product with the segments' directions.

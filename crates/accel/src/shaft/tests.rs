@@ -46,6 +46,8 @@ fn whatever_blocks_a_segment_is_inside() {
         assert!(bvh.inside(&shaft, usize::MAX, &mut found));
         found.sort_unstable();
         listed += found.len();
+        let may_hit = |&index: &u32| shaft.may_hit(&geometry.shapes()[index as usize]);
+        assert!(found.iter().all(may_hit));
         for n in 0..40 {
             let ray = Ray::segment_from(apex, place_in(ends, key.mix(3), n));
             for (index, shape) in (0..).zip(geometry.shapes()) {

@@ -2,6 +2,7 @@ mod neighbours;
 mod point;
 mod prove;
 mod sample;
+mod shafts;
 mod view;
 
 use std::{collections::BTreeMap, sync::Arc};
@@ -15,6 +16,7 @@ use self::{
     neighbours::Neighbours,
     point::Point,
     prove::Prover,
+    shafts::Shafts,
     view::{Square, ViewProgress},
 };
 
@@ -61,6 +63,7 @@ impl ConstructSettings {
 pub struct Builder {
     world: Arc<World>,
     neighbours: Neighbours,
+    shafts: Arc<Shafts>,
     /// `None` where nothing is to be proven.
     prover: Option<Prover>,
     settings: ConstructSettings,
@@ -112,10 +115,13 @@ impl Builder {
         let tree = LieTree::new(scene.geometry.bounds(), lights, settings.lie);
         // The paper's mode proves nothing, and masking wants to see what lights give.
         let lie = tree.settings();
-        let may_prove = settings.proofs && lie.trust > 0 && lie.masking == 0.0;
-        let prover = may_prove.then(|| Prover::new(&world, lie.crowd));
+        let shafts = Arc::new(Shafts::new(world.clone()));
+        let may_prove =
+            settings.proofs && lie.trust > 0 && lie.masking == 0.0 && !shafts.is_empty();
+        let prover = may_prove.then(|| Prover::new(&world, shafts.clone(), lie.crowd));
         Ok(Self {
-            prover: prover.filter(|prover| !prover.is_idle()),
+            prover,
+            shafts,
             neighbours: Neighbours::new(&world.scene().geometry),
             world,
             settings,
@@ -172,7 +178,7 @@ impl Builder {
         }
         self.views.iter_mut().for_each(ViewProgress::end_batch);
         let observed: Vec<Observation> = observed.into_iter().flatten().collect();
-        self.tree.record(&observed);
+        self.tree.record_between(&observed, &*self.shafts);
         self.report()
     }
 

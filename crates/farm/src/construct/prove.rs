@@ -1,22 +1,21 @@
 //! What can be settled about a cell's lights without samples.
 
+use std::sync::Arc;
+
 use glam::Vec3;
-use lie_accel::{MeshEdges, Shaft};
+use lie_accel::MeshEdges;
 use lie_geom::{Aabb, Ray};
 use lie_octree::{Lie, Proof, Region};
 use lie_render::World;
-use lie_scene::{Light, LightKind};
+use lie_scene::Light;
 
-use super::point::Point;
+use super::{point::Point, shafts::Shafts};
 
 /// Settles lights by geometry alone: points and spots, wherever nothing is in the way of a cell,
 /// or everything, or few enough triangles to list.
 pub(super) struct Prover {
     edges: MeshEdges,
-    /// Box around the scene.
-    bounds: Aabb,
-    /// For each light its place, if it has no extent.
-    places: Vec<Option<Vec3>>,
+    shafts: Arc<Shafts>,
     /// Triangles that a list can have.
     longest: usize,
 }
@@ -34,29 +33,12 @@ const STARTS: usize = 4;
 impl Prover {
     /// Makes ready for a scene: finds the neighbours of its triangles. No list gets longer than
     /// `crowd`.
-    pub(super) fn new(world: &World, crowd: u32) -> Self {
-        let scene = world.scene();
-        let place = |light: &Light| match light.kind {
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
-            LightKind::Directional { .. } | LightKind::Area(_) => None,
-        };
-        let places: Vec<_> = scene.lights.iter().map(place).collect();
-        let edges = if places.iter().any(Option::is_some) {
-            MeshEdges::new(scene.geometry.shapes())
-        } else {
-            MeshEdges::default()
-        };
+    pub(super) fn new(world: &World, shafts: Arc<Shafts>, crowd: u32) -> Self {
         Self {
-            edges,
-            bounds: scene.geometry.bounds(),
-            places,
+            edges: MeshEdges::new(world.scene().geometry.shapes()),
+            shafts,
             longest: LONGEST.min(crowd as usize),
         }
-    }
-
-    /// Whether it can do anything at all.
-    pub(super) fn is_idle(&self) -> bool {
-        self.places.iter().all(Option::is_none)
     }
 
     /// The region that takes in these points as well, and what is certain there; `None` if that is
@@ -82,7 +64,7 @@ impl Prover {
         let mut is_news = !holds;
         let mut lights = vec![];
         for (light, form) in (0..).zip(&world.scene().lights) {
-            let Some(place) = self.places[light as usize] else {
+            let Some(place) = self.shafts.place(light) else {
                 continue;
             };
             let before = known.proof(light);
@@ -105,13 +87,13 @@ impl Prover {
 
     /// Whether a light is one that cells are told of whenever it may reach them.
     pub(super) fn serves(&self, light: u32) -> bool {
-        self.places[light as usize].is_some()
+        self.shafts.place(light).is_some()
     }
 
     /// What is certain between a place and a box.
     fn prove(&self, world: &World, place: Vec3, ends: Aabb) -> Proof {
         let scene = world.scene();
-        let shaft = Shaft::new(place, ends, self.bounds);
+        let shaft = self.shafts.from(place, ends);
         let through = Ray::segment_from(place, ends.center());
         let shapes = scene.geometry.shapes();
         let is_solid = |triangle| !world.has_holes(triangle);

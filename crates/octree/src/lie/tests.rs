@@ -219,3 +219,24 @@ fn a_cell_holds_where_it_was_seen() {
     assert_eq!(lie.state(1, 0).region, Some(bounds));
     assert_eq!(lie.state(0, 0).region, None, "the paper's holds everywhere");
 }
+
+#[test]
+fn a_part_inherits_what_may_block_its_own_rays() {
+    struct Odd;
+    impl Between for Odd {
+        fn between(&self, light: u32, ends: Aabb) -> impl Fn(u32) -> bool {
+            move |triangle| light == 0 || ends.min.x > -0.1 && triangle % 2 == 1
+        }
+    }
+    let mut lie = Lie::default();
+    let lights = [0, 1, 2].map(|light| [(light, SEEN), (light, Some(6)), (light, Some(7))]);
+    record(&mut lie, lights.as_flattened());
+    record(&mut lie, &[(3, Some(2)), (3, Some(4))]);
+    let mut part = lie.part(1);
+    part.narrow(Aabb::around([Vec3::ZERO, Vec3::ONE]), &Odd);
+    assert_eq!(triangles(&part, 0), [(6, false), (7, false)]);
+    assert_eq!(triangles(&part, 1), [(7, false)]);
+    assert_eq!(triangles(&part, 3), [], "it stays hidden");
+    assert_eq!(standing(&part, 3, 0), "hidden");
+    assert_eq!(standing(&part, 2, 0), "lit");
+}
