@@ -414,3 +414,46 @@ fn a_client_looks_at_a_running_farm() {
         assert!(stats["frames"][2][key].is_number(), "{key}");
     }
 }
+
+/// Relative RMSE of a frame against another.
+fn error(frame: &Frame, standard: &Frame) -> f64 {
+    lie_render::compare(&frame.film, &standard.film, 0.0)
+        .unwrap()
+        .relative_rmse
+}
+
+#[tokio::test]
+async fn what_shaders_find_wrong_is_mended() {
+    // In the paper's mode cells are relied on after the few samples of a tiny view.
+    let constructor = Process::constructor(&["--trust", "0"]);
+    let _shader = Process::start(&[
+        "shader",
+        "--constructor",
+        &constructor.address,
+        "--no-cache",
+        "--audit",
+        "1",
+    ]);
+    let mut client = connect(&constructor).await;
+    client.wait_for_shaders(1).await;
+    let mut request = request(&client, 1);
+    let standard = client.render_frame(&request).await.unwrap();
+    request.integrator = WireIntegrator::Lie;
+    let serial = client.set_camera(&request.camera, UVec2::splat(8));
+    assert!(client.settled(serial, LONG).await);
+    let first = client.render_frame(&request).await.unwrap();
+    let before = error(&first, &standard);
+    assert!(before > 0.001, "there is something to mend: {before}");
+    let mended = tokio::time::timeout(LONG, async {
+        loop {
+            let frame = client.render_frame(&request).await.unwrap();
+            if error(&frame, &standard) < 0.5 * before {
+                return;
+            }
+            sleep(Duration::from_millis(100)).await;
+        }
+    });
+    mended.await.expect("pictures get better");
+    let status = *client.status().borrow();
+    assert!(status.audit_wrong > 0 && status.audit_wrong < status.audit_rays);
+}

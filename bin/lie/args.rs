@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
 use glam::UVec2;
 use lie_render::AccelKind;
 use lie_scene::{Camera, RenderSettings, Scene, Walkthrough};
@@ -73,6 +73,15 @@ impl From<Accel> for AccelKind {
             Accel::Grid => Self::Grid,
         }
     }
+}
+
+/// Checks of what is already known.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct Audit {
+    /// Check what LIEs answer with true shadow rays, in this share of the pixels of every frame;
+    /// the constructor is told what was wrong, and mends it. 0 checks nothing.
+    #[arg(long, default_value_t = 0.01, value_parser = share, allow_negative_numbers = true, value_name = "FRACTION")]
+    pub(crate) audit: f32,
 }
 
 /// Bits per channel of a picture.

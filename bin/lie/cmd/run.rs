@@ -13,7 +13,11 @@ use lie_farm::{
 use lie_render::AccelKind;
 
 use super::{render::Construction, walk::WalkOptions};
-use crate::{args::Accel, failure::usage, process};
+use crate::{
+    args::{Accel, Audit},
+    failure::usage,
+    process,
+};
 
 /// Renders a walkthrough on this machine: a constructor, shaders and a client, each a
 /// process of its own, as on a cluster.
@@ -47,6 +51,8 @@ pub(crate) struct Run {
     cache: Option<PathBuf>,
     #[command(flatten)]
     construction: Construction,
+    #[command(flatten)]
+    audit: Audit,
 }
 
 pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
@@ -106,6 +112,7 @@ fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result
     shader.extend(["--log".into(), log.into()]);
     shader.extend(["--threads".into(), threads.to_string().into()]);
     shader.extend(["--accel".into(), accel.into()]);
+    shader.extend(["--audit".into(), arguments.audit.audit.to_string().into()]);
     if let Some(cache) = &arguments.cache {
         shader.extend(["--cache".into(), cache.into()]);
     }

@@ -7,7 +7,7 @@ use lie_farm::{
 };
 
 use crate::{
-    args::Accel,
+    args::{Accel, Audit},
     process::{self, Network, Supervision},
 };
 
@@ -30,6 +30,8 @@ pub(crate) struct Shader {
     /// What finds hits in the scene. Each process may choose for itself.
     #[arg(long, value_enum, default_value = "bvh")]
     accel: Accel,
+    #[command(flatten)]
+    audit: Audit,
     /// Where scenes are kept [default: $XDG_CACHE_HOME/lie or ~/.cache/lie]
     #[arg(long, env = "LIE_CACHE", value_name = "DIR")]
     cache: Option<PathBuf>,
@@ -57,6 +59,7 @@ pub(crate) fn execute(arguments: &Shader) -> anyhow::Result<()> {
         exposure: arguments.network.exposure(),
         threads: process::threads(arguments.threads)?,
         accel: arguments.accel.into(),
+        audit: arguments.audit.audit,
         cache: open_cache(arguments),
     };
     process::announce(&listener)?;

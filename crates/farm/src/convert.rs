@@ -1,13 +1,13 @@
 //! The one place where wire types become domain types and back.
 
 use glam::{Quat, UVec2, Vec3};
-use lie_geom::Aabb;
+use lie_geom::{Aabb, Ray};
 use lie_octree::{CellBody, CellKey, CellState, LieState, LitLight};
 use lie_protocol::{
     BeginFrame, SceneHash, SceneSummary, Text, WireBody, WireCamera, WireCell, WireKeyFrame,
-    WireLight, WireRenderSettings, WireWalkthrough, limit,
+    WireLight, WireMismatch, WireRenderSettings, WireWalkthrough, limit,
 };
-use lie_render::FrameSettings;
+use lie_render::{FrameSettings, Mismatch};
 use lie_scene::{Camera, KeyFrame, RenderSettings, Scene, Walkthrough};
 
 /// Why what a peer sent is not what it should be.
@@ -161,6 +161,33 @@ pub fn frame_settings(begin: &BeginFrame) -> Result<FrameSettings, ConvertError>
         seed: begin.seed,
         ward: None,
     })
+}
+
+/// What an audit found, for the wire.
+#[must_use]
+pub fn wire_mismatch(wrong: &Mismatch) -> WireMismatch {
+    WireMismatch {
+        light: wrong.light,
+        point: wrong.point.to_array(),
+        origin: wrong.ray.origin.to_array(),
+        direction: wrong.ray.direction.to_array(),
+        span: [wrong.ray.t_min, wrong.ray.t_max],
+    }
+}
+
+/// What an audit found. Whether it makes sense is for [`crate::Builder::mend`] to say.
+#[must_use]
+pub fn mismatch(wrong: &WireMismatch) -> Mismatch {
+    Mismatch {
+        light: wrong.light,
+        point: wrong.point.into(),
+        ray: Ray {
+            origin: wrong.origin.into(),
+            direction: wrong.direction.into(),
+            t_min: wrong.span[0],
+            t_max: wrong.span[1],
+        },
+    }
 }
 
 /// A cell for the wire.

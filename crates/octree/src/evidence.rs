@@ -206,6 +206,11 @@ impl LightEvidence {
         }
     }
 
+    /// Rays so far were wrong about it: as many must agree again.
+    pub(crate) fn distrust(&mut self) {
+        self.agreed = 0;
+    }
+
     /// Takes in what a sample had of it, and what it was kept from having.
     pub(crate) fn weigh(&mut self, outcomes: &[Outcome]) {
         let given: f32 = outcomes.iter().map(|outcome| outcome.luminance).sum();

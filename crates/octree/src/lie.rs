@@ -229,6 +229,43 @@ impl Lie {
         self.mask(settings);
     }
 
+    /// Whether what shaders rely on says otherwise than a ray that met `blocker`, or nothing.
+    pub(crate) fn is_contradicted(&self, light: u32, blocker: Option<u32>, trust: u32) -> bool {
+        let names = |list: &[u32], triangle| list.contains(&triangle);
+        match (self.standing(light, trust), blocker) {
+            (Standing::Doubtful | Standing::Crowded, _) => false,
+            (Standing::Certain, _) => match (self.region.proof(light), blocker) {
+                (Some(Proof::Unoccluded), blocker) => blocker.is_some(),
+                (Some(Proof::Behind(list)), Some(triangle)) => !names(list, triangle),
+                (Some(Proof::Hidden), blocker) => blocker.is_none(),
+                _ => false,
+            },
+            (Standing::Lit(entry), Some(triangle)) => {
+                let mut known = entry.occluders.iter();
+                entry.mask.is_none() && !known.any(|known| known.triangle() == triangle)
+            }
+            (Standing::Lit(_), None) => false,
+            (Standing::Hidden, blocker) => blocker.is_none(),
+        }
+    }
+
+    /// Learns from a ray that a cell had wrong.
+    pub(crate) fn contradict(&mut self, light: u32, blocker: Option<u32>, settings: &LieSettings) {
+        self.region.reopen(light);
+        let outcome = Outcome {
+            blocker,
+            importance: 1.0,
+            ..Outcome::of(light)
+        };
+        let entry = self.entry(&outcome);
+        match blocker {
+            Some(triangle) => entry.block(triangle, 1, settings.crowd),
+            None => entry.see(1),
+        }
+        entry.distrust();
+        entry.settle(settings.crowd);
+    }
+
     /// Where a light's evidence is, or would be.
     fn place(&self, light: u32) -> Result<usize, usize> {
         self.lights

@@ -162,6 +162,27 @@ impl LieTree {
         }
     }
 
+    /// What the cell around a point says of a light turned out to be wrong: a ray from there met
+    /// `blocker`, or nothing. The cell learns that, and whatever made it sure of the
+    /// light counts no more. Nothing happens where shaders do not rely on the cell, or where
+    /// the light is masked and the cell wrong on purpose; says whether anything did.
+    pub fn contradict(&mut self, point: Vec3, light: u32, blocker: Option<u32>) -> bool {
+        let (settings, version) = (self.settings, self.version + 1);
+        let key = self.tree.key_at(point);
+        let Some(lie) = self.tree.leaf_mut(key) else {
+            return false;
+        };
+        let is_told = settings.trust == 0 || lie.region().bounds.contains(point);
+        let is_wrong =
+            light < self.lights && is_told && lie.is_contradicted(light, blocker, settings.trust);
+        if is_wrong {
+            lie.contradict(light, blocker, &settings);
+            lie.version = version;
+            self.changed.insert(key);
+        }
+        is_wrong
+    }
+
     /// Splits a leaf, as far as cells may be divided: its parts start with its evidence, and with
     /// nothing that is certain. Says whether it did.
     pub fn split(&mut self, key: CellKey) -> bool {

@@ -45,6 +45,14 @@ impl Region {
         self.proof(light).is_some_and(|proof| *proof != Proof::Open)
     }
 
+    /// Takes back what was certain of a light.
+    pub(crate) fn reopen(&mut self, light: u32) {
+        let place = self.lights.binary_search_by_key(&light, |entry| entry.0);
+        if let Ok(place) = place {
+            self.lights[place].1 = Proof::Open;
+        }
+    }
+
     /// Lights that are certain to reach some of it.
     #[must_use]
     pub fn lit(&self) -> usize {

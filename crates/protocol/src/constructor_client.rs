@@ -64,6 +64,10 @@ pub struct LieStatus {
     pub samples: u64,
     /// Bytes sent to all shaders so far, scene included.
     pub sent_bytes: u64,
+    /// Shadow rays that shaders have traced to see whether the LIEs are right.
+    pub audit_rays: u64,
+    /// How many of them the LIEs had wrong.
+    pub audit_wrong: u64,
     /// Relative RMSE of the picture that is expected if the LIEs were used without trust.
     pub estimated_error: f32,
     /// Whether more samples would not help what the clients see now.

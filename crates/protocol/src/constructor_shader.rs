@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Goodbye, LieDelta, Ping, Pong, Refuse, ResyncRequest, SceneHash, WireLieSettings,
+    AuditReport, Goodbye, LieDelta, Ping, Pong, Refuse, ResyncRequest, SceneHash, WireLieSettings,
     body::{Body, Control},
     codec, limit,
 };
@@ -97,6 +97,8 @@ messages! {
         Resync(ResyncRequest) = 26, at most limit::CONTROL;
         /// See [`ShaderReady`].
         Ready(ShaderReady) = 27, at most limit::CONTROL;
+        /// See [`AuditReport`].
+        Audit(AuditReport) = 28, at most limit::AUDIT;
     }
 }
 

@@ -56,7 +56,10 @@ pub use decoder::{Decoder, encode};
 pub use error::ProtocolError;
 pub use header::{Header, MAGIC, PROTOCOL_VERSION};
 pub use hello::{Hello, Opening, Refuse, Role};
-pub use lies::{LieDelta, ResyncRequest, WireBody, WireCell, WireLieSettings, WireLight};
+pub use lies::{
+    AuditReport, LieDelta, ResyncRequest, WireBody, WireCell, WireLieSettings, WireLight,
+    WireMismatch,
+};
 pub use message::Message;
 pub use session::{Goodbye, Ping, Pong};
 pub use shader_client::{

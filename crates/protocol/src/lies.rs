@@ -80,5 +80,33 @@ pub struct ResyncRequest {
     pub have_version: u64,
 }
 
+/// What audits on a shader have come to since its last report.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AuditReport {
+    /// Shadow rays that LIEs answer for, and that were traced to see.
+    pub rays: u64,
+    /// How many of them the LIEs had wrong, those that are not listed included.
+    pub wrong: u64,
+    /// Some of these.
+    #[serde(deserialize_with = "bounded::list::<{ limit::MISMATCHES }, _, _>")]
+    pub mismatches: Vec<WireMismatch>,
+}
+
+/// A shadow ray that a cell answers wrongly.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WireMismatch {
+    /// Number of the light.
+    pub light: u32,
+    /// Where the ray leaves the surface.
+    pub point: [f32; 3],
+    /// Start of the ray, at either end.
+    pub origin: [f32; 3],
+    /// To the other end.
+    pub direction: [f32; 3],
+    /// The part of it that counts, in units of `direction`.
+    pub span: [f32; 2],
+}
+
+impl Control for AuditReport {}
 impl Control for LieDelta {}
 impl Control for ResyncRequest {}

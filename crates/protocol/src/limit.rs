@@ -18,6 +18,10 @@ pub const CELLS: usize = 1 << 20;
 pub const LIGHTS: usize = 1 << 20;
 /// Occluders of one light in one cell.
 pub const OCCLUDERS: usize = 1 << 20;
+/// Wrong answers in one report of an audit.
+pub const MISMATCHES: usize = 256;
+/// Longest report of an audit.
+pub const AUDIT: u32 = 64 * 1024;
 /// Longest scene summary.
 pub const SUMMARY: u32 = 4 * 1024 * 1024;
 /// Cameras in a scene summary.

@@ -27,6 +27,7 @@
 
 mod aov;
 mod area_lanes;
+mod audit;
 mod brdf;
 mod camera_ray;
 mod cell;
@@ -51,6 +52,7 @@ mod ward;
 mod world;
 
 pub use aov::{AovLies, AovPixel, Aovs, CellAov, CellFacts, CostModel, Work, write_aovs};
+pub use audit::{Audit, Mismatch, audit};
 pub use brdf::Brdf;
 pub use cell::{LieCell, LieLookup};
 pub use film::{Film, Precision};

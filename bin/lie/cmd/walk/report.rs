@@ -104,6 +104,7 @@ impl Report {
                 "converged": status.converged,
                 "frozen": status.frozen,
             },
+            "audit": { "rays": status.audit_rays, "wrong": status.audit_wrong },
             "constructor_sent_bytes": status.sent_bytes,
             "frames": self.rows,
         })

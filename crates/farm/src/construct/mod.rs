@@ -1,3 +1,4 @@
+mod mend;
 mod neighbours;
 mod point;
 mod prove;
@@ -8,7 +9,7 @@ mod view;
 use std::{collections::BTreeMap, sync::Arc};
 
 use lie_octree::{CellKey, LieSettings, LieTree, Observation, Proof, Region};
-use lie_render::World;
+use lie_render::{Mismatch, World};
 use rayon::prelude::*;
 
 pub use self::view::View;
@@ -249,6 +250,13 @@ impl Builder {
             }
             above = next;
         }
+    }
+
+    /// Takes in what audits found, which the next batch reports as changes. Gives how many answers
+    /// were wrong: one that has been learnt since, or that is wrong on purpose since others mask
+    /// the light, does not count.
+    pub fn mend(&mut self, found: &[Mismatch]) -> u64 {
+        mend::mend(&self.world, &mut self.tree, found)
     }
 
     /// Samples the views until they have converged, or until `max_samples` are recorded in

@@ -111,9 +111,12 @@ async fn talk<W: AsyncWrite + Unpin>(
                 is_news = false;
                 let progress = progress.borrow_and_update();
                 let serial = progress.serials.get(&member.id());
+                let audited = shared.audits.total();
                 Out::LieStatus(LieStatus {
                     camera_serial: serial.copied().unwrap_or(0),
                     sent_bytes: shared.sent.get(),
+                    audit_rays: audited.rays,
+                    audit_wrong: audited.wrong,
                     ..progress.status
                 })
             }

@@ -50,6 +50,14 @@ fn construct(mut builder: Builder, shared: &Shared) {
     let mut known = None;
     let mut measured = None;
     while let Some(now) = shared.views.wait(known) {
+        let wrong = shared.audits.take();
+        let mended = builder.mend(&wrong);
+        if !wrong.is_empty() {
+            tracing::debug!(
+                "audits found {} wrong answers; {mended} mended",
+                wrong.len()
+            );
+        }
         let report = builder.batch(&now.views);
         if !report.changed.is_empty() {
             shared.feed.publish(builder.tree().clone(), &report.changed);

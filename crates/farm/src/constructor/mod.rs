@@ -4,6 +4,7 @@
 //! it. Construction has a thread of its own, and neither side ever waits for the other:
 //! construction publishes trees (`lie_feed`), sessions publish views (`views`).
 
+mod audits;
 mod client_session;
 mod construction;
 mod delta;
@@ -32,6 +33,7 @@ use crate::{
     scene_blob::{self, BlobError, SceneBlob},
     serve::serve,
 };
+use audits::Audits;
 use construction::{Construction, Progress};
 use lie_feed::LieFeed;
 use registry::Registry;
@@ -123,6 +125,7 @@ struct Shared {
     views: Views,
     registry: Registry,
     progress: watch::Sender<Progress>,
+    audits: Audits,
     /// To shaders.
     sent: ByteCount,
     shutdown: CancellationToken,
@@ -151,6 +154,8 @@ pub async fn run(
         views: Views::default(),
         registry: Registry::default(),
         progress: watch::Sender::new(prepared.frozen.clone().unwrap_or_default()),
+        // Where others mask a light, its cells are wrong on purpose.
+        audits: Audits::new(prepared.frozen.is_none() && lie.masking == 0.0),
         sent: ByteCount::default(),
         shutdown: shutdown.clone(),
     });

@@ -47,12 +47,13 @@ where
     tracing::info!("shader {} has joined", member.id());
     let (commands, orders) = mpsc::channel(COMMANDS);
     tokio::select! {
-        ended = listen(receiver, &commands) => ended,
+        ended = listen(shared, receiver, &commands) => ended,
         ended = talk(shared, member, sender, orders) => ended,
     }
 }
 
 async fn listen<R: AsyncRead + Unpin>(
+    shared: &Shared,
     mut receiver: Receiver<R>,
     commands: &mpsc::Sender<Command>,
 ) -> Result<(), LinkError> {
@@ -68,6 +69,14 @@ async fn listen<R: AsyncRead + Unpin>(
                 continue;
             }
             In::Pong(_) => continue,
+            In::Audit(report) => {
+                if shared.audits.add(&report) {
+                    shared.views.look_again();
+                }
+                // Clients are told of it.
+                shared.progress.send_modify(|_| {});
+                continue;
+            }
             In::Goodbye(goodbye) => return Err(LinkError::Refused(goodbye.reason)),
         };
         if commands.try_send(command).is_err() {

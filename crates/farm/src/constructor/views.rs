@@ -45,6 +45,11 @@ impl Views {
         });
     }
 
+    /// What was known of the views is in doubt.
+    pub(super) fn look_again(&self) {
+        self.change(|_| {});
+    }
+
     /// Ends every wait, now and later.
     pub(super) fn close(&self) {
         self.lock().closed = true;

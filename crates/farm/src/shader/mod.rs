@@ -5,6 +5,7 @@
 //! plain threads renders (`render_pool`) from the stage as it is at that moment.
 
 mod assembly;
+mod audit;
 mod client_session;
 mod render_pool;
 mod scene_fetch;
@@ -43,6 +44,9 @@ pub struct ShaderConfig {
     pub threads: usize,
     /// What finds hits in the scene.
     pub accel: AccelKind,
+    /// Share of the pixels, in `[0, 1]`, in which the LIEs are held against the scene after a frame
+    /// was rendered with them.
+    pub audit: f32,
     /// Where scenes are kept; none goes without.
     pub cache: Option<SceneCache>,
 }
@@ -84,7 +88,7 @@ pub async fn run(
     let threads = config.threads.max(1);
     let shared = Arc::new(Shared {
         stage: watch::Sender::new(None),
-        pool: RenderPool::start(threads).map_err(ShaderError::Threads)?,
+        pool: RenderPool::start(threads, config.audit).map_err(ShaderError::Threads)?,
         threads: threads as u32,
         shutdown: shutdown.clone(),
     });

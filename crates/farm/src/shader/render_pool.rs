@@ -18,7 +18,7 @@ use lie_render::{FrameSettings, LieLookup, RenderStats, Tile, render_tile};
 use lie_scene::Camera;
 use tokio::sync::{Notify, mpsc};
 
-use super::stage::Stage;
+use super::{audit, stage::Stage};
 use crate::pixels;
 
 /// A client's frame, shared by its tiles.
@@ -66,14 +66,14 @@ struct State {
 }
 
 impl RenderPool {
-    /// Starts the threads.
-    pub(super) fn start(threads: usize) -> io::Result<Self> {
+    /// Starts the threads. After a tile they check this share of its pixels.
+    pub(super) fn start(threads: usize, audit: f32) -> io::Result<Self> {
         let queue = Arc::new(Queue::default());
         for index in 0..threads {
             let queue = queue.clone();
             thread::Builder::new()
                 .name(format!("render-{index}"))
-                .spawn(move || work(&queue))?;
+                .spawn(move || work(&queue, audit))?;
         }
         Ok(Self(queue))
     }
@@ -117,7 +117,7 @@ impl Queue {
     }
 }
 
-fn work(queue: &Queue) {
+fn work(queue: &Queue, audit: f32) {
     while let Some(job) = queue.next() {
         if job.frame.cancelled.load(Ordering::Relaxed) {
             continue;
@@ -129,6 +129,12 @@ fn work(queue: &Queue) {
             Err(_) => tracing::error!("tile {:?} could not be rendered", job.tile),
         }
         job.frame.outstanding.fetch_sub(1, Ordering::Relaxed);
+        if audit > 0.0 && job.frame.integrator == WireIntegrator::Lie {
+            let checked = catch_unwind(AssertUnwindSafe(|| audit::check(&job, audit)));
+            if checked.is_err() {
+                tracing::error!("tile {:?} could not be checked", job.tile);
+            }
+        }
     }
 }
 

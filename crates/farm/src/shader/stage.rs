@@ -5,6 +5,7 @@ use lie_octree::LieSettings;
 use lie_protocol::SceneHash;
 use lie_render::World;
 
+use super::audit::Ledger;
 use crate::{LieReplica, PublishedLies};
 
 /// A scene that is ready to be rendered, with the newest LIEs.
@@ -13,6 +14,8 @@ pub(super) struct Stage {
     pub(super) world: Arc<World>,
     /// Replaced as a whole; whoever renders holds on to one version.
     pub(super) lies: ArcSwap<PublishedLies>,
+    /// What is wrong with them, as far as was seen.
+    pub(super) audits: Ledger,
 }
 
 impl Stage {
@@ -23,6 +26,7 @@ impl Stage {
             scene,
             world,
             lies: ArcSwap::from_pointee(lies),
+            audits: Ledger::default(),
         }
     }
 }

@@ -111,6 +111,7 @@ async fn a_gap_leads_to_a_resync_and_a_damaged_cache_to_another_fetch() {
         exposure: Exposure::Loopback,
         threads: 1,
         accel: AccelKind::Bvh,
+        audit: 1.0,
         cache: Some(cache.clone()),
     };
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
@@ -192,6 +193,7 @@ async fn a_gap_leads_to_a_resync_and_a_damaged_cache_to_another_fetch() {
             exposure: Exposure::Loopback,
             threads: 1,
             accel: AccelKind::Grid,
+            audit: 0.0,
             cache: Some(cache.clone()),
         };
         let shutdown = CancellationToken::new();

@@ -10,7 +10,7 @@ use tokio::{io::AsyncRead, sync::mpsc, task::spawn_blocking, time::sleep};
 use super::{
     ShaderConfig, ShaderError, Shared,
     assembly::{Assembly, Update},
-    scene_fetch,
+    audit, scene_fetch,
     stage::Stage,
 };
 use crate::{
@@ -92,6 +92,7 @@ async fn session(
     let ended = tokio::select! {
         ended = follow(config, shared, &welcome, &mut receiver, &outbox) => ended,
         ended = drain(&mut sender, messages, &shared.shutdown, |_| true) => ended,
+        () = audit::report(shared, &outbox) => Ok(()),
     };
     ended.err().unwrap_or(LinkError::Closed)
 }

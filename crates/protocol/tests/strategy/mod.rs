@@ -160,8 +160,29 @@ pub(crate) fn shader_to_constructor() -> impl Strategy<Value = ShaderToConstruct
             .prop_map(|(scene, offset)| M::SceneRequest(SceneRequest { scene, offset })),
         hash().prop_map(|scene| M::Subscribe(Subscribe { scene })),
         hash().prop_map(|scene| M::Ready(ShaderReady { scene })),
+        audit().prop_map(M::Audit),
         any::<u64>().prop_map(|have_version| M::Resync(ResyncRequest { have_version })),
     ]
+}
+
+fn audit() -> impl Strategy<Value = AuditReport> {
+    let mismatch = (
+        any::<u32>(),
+        [point(), point(), point()],
+        [number(), number()],
+    )
+        .prop_map(|(light, [at, origin, direction], span)| WireMismatch {
+            light,
+            point: at,
+            origin,
+            direction,
+            span,
+        });
+    (any::<[u64; 2]>(), vec(mismatch, 0..5)).prop_map(|([rays, wrong], mismatches)| AuditReport {
+        rays,
+        wrong,
+        mismatches,
+    })
 }
 
 fn summary() -> impl Strategy<Value = SceneSummary> {
@@ -206,7 +227,7 @@ pub(crate) fn constructor_to_client() -> impl Strategy<Value = ConstructorToClie
                 ready,
             }
         });
-    let status = (any::<[u64; 8]>(), number(), any::<[bool; 2]>()).prop_map(
+    let status = (any::<[u64; 10]>(), number(), any::<[bool; 2]>()).prop_map(
         |(
             [
                 version,
@@ -217,6 +238,8 @@ pub(crate) fn constructor_to_client() -> impl Strategy<Value = ConstructorToClie
                 bytes,
                 samples,
                 sent_bytes,
+                audit_rays,
+                audit_wrong,
             ],
             error,
             flags,
@@ -229,6 +252,8 @@ pub(crate) fn constructor_to_client() -> impl Strategy<Value = ConstructorToClie
             bytes,
             samples,
             sent_bytes,
+            audit_rays,
+            audit_wrong,
             estimated_error: error,
             converged: flags[0],
             frozen: flags[1],
