@@ -41,9 +41,12 @@ enum Answer {
     Unknown,
 }
 
+/// Keeps the choice of pixels apart from the frames' random numbers.
+const CHOICE: u64 = 0x6175_6469_7400;
+
 /// Traces the shadow rays of a share of a tile's pixels, in `[0, 1]`, to every light that
-/// `lies` answer for there, and compares. Which pixels that are depends on `key`; their rays are
-/// those of the frame's first sample.
+/// `lies` answer for there, and compares. Which pixels that are depends on `seed`; their rays
+/// are those of the frame's first sample.
 #[must_use]
 pub fn audit(
     world: &World,
@@ -52,8 +55,9 @@ pub fn audit(
     settings: &FrameSettings,
     tile: Tile,
     share: f32,
-    key: RandomKey,
+    seed: u64,
 ) -> Audit {
+    let choice = RandomKey::new(seed).mix(CHOICE);
     let film = camera.film(settings.size);
     let light_strata = strata(settings.light_samples);
     let mut found = Audit::default();
@@ -61,7 +65,7 @@ pub fn audit(
     for index in 0..tile.size.x * tile.size.y {
         let pixel = tile.origin + UVec2::new(index % tile.size.x, index / tile.size.x);
         let number = u64::from(pixel.x) | u64::from(pixel.y) << 32;
-        if key.mix(number).uniform(0) >= share {
+        if choice.mix(number).uniform(0) >= share {
             continue;
         }
         let (ray, key) = settings.camera_ray(&film, pixel, 0);

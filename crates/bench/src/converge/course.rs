@@ -1,9 +1,9 @@
 use std::time::Instant;
 
-use lie_farm::{BatchReport, Builder, LieReplica};
+use lie_farm::{BatchReport, Builder, LieReplica, PublishedLies};
 use lie_render::{Film, RenderStats, compare};
 
-use super::{Bench, ConvergeRow, ConvergeSummary, Mode, deadline::is_over};
+use super::{Bench, ConvergeRow, ConvergeSummary, Mode, audit::audit, deadline::is_over};
 use crate::{
     BenchError, Contender, Stage,
     race::{Runs, milliseconds, timed},
@@ -76,12 +76,11 @@ pub(super) fn follow(
 pub(super) fn render_now(
     bench: &Bench<'_>,
     mode: Mode,
-    builder: &Builder,
+    lies: &PublishedLies,
     stage: &Stage,
 ) -> (Film, RenderStats, f64) {
-    let lies = LieReplica::of(stage.world().clone(), builder.tree()).publish();
     let render: crate::race::Render<'_> =
-        Box::new(|tell| Contender::Lie.render(stage, Some(&lies), tell));
+        Box::new(|tell| Contender::Lie.render(stage, Some(lies), tell));
     timed(bench.pool, &render, &|share| {
         bench.tell(mode, "frame", share);
     })
@@ -101,6 +100,7 @@ fn first_row(bench: &Bench<'_>, mode: Mode, first: &Runs) -> Result<ConvergeRow,
         flip_mean: figures.flip_mean,
         trusted_fraction: first.stats.trusted_fraction(),
         frame_ms: first.frame_ms().median,
+        audit: None,
     })
 }
 
@@ -112,7 +112,9 @@ fn mark_row(
     time_ms: f64,
 ) -> Result<ConvergeRow, BenchError> {
     let stage = bench.stage;
-    let (film, stats, frame_ms) = render_now(bench, mode, builder, stage);
+    let lies = LieReplica::of(stage.world().clone(), builder.tree()).publish();
+    let (film, stats, frame_ms) = render_now(bench, mode, &lies, stage);
+    let audited = audit(bench, stage, &lies, report.taken);
     let figures = compare(&film, &bench.standard.film, stage.exposure_stops())?;
     Ok(ConvergeRow {
         scene: stage.name().to_owned(),
@@ -124,5 +126,6 @@ fn mark_row(
         flip_mean: figures.flip_mean,
         trusted_fraction: stats.trusted_fraction(),
         frame_ms,
+        audit: Some(audited),
     })
 }

@@ -1,5 +1,6 @@
 //! From a cold start to a converged picture: error and frame time against construction.
 
+mod audit;
 mod course;
 mod deadline;
 mod show;
@@ -91,6 +92,27 @@ pub struct ConvergeRow {
     pub trusted_fraction: f64,
     /// Its time; measured once.
     pub frame_ms: f64,
+    /// What shadow rays in a hundredth of its pixels say of the LIEs; `None` where there are none.
+    pub audit: Option<AuditFigures>,
+}
+
+/// An audit of a frame's LIEs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AuditFigures {
+    /// Shadow rays that LIEs answer for, and that were traced to see.
+    pub rays: u64,
+    /// How many the LIEs had wrong.
+    pub wrong: u64,
+    /// Its time, on as many threads as the frame.
+    pub time_ms: f64,
+}
+
+impl AuditFigures {
+    /// Share of the rays that LIEs had wrong, in `[0, 1]`.
+    #[must_use]
+    pub fn wrong_fraction(&self) -> f64 {
+        self.wrong as f64 / self.rays.max(1) as f64
+    }
 }
 
 /// A scene in one mode.

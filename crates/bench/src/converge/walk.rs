@@ -1,6 +1,6 @@
 use std::time::Instant;
 
-use lie_farm::{Builder, View};
+use lie_farm::{Builder, LieReplica, View};
 use lie_render::{Film, compare};
 use lie_scene::{Camera, Walkthrough};
 
@@ -89,7 +89,8 @@ pub(super) fn worst_error(
             stage.pixels() / BUDGET_SHARE,
             None,
         );
-        let (film, _, _) = render_now(bench, mode, &builder, &seen);
+        let lies = LieReplica::of(stage.world().clone(), builder.tree()).publish();
+        let (film, _, _) = render_now(bench, mode, &lies, &seen);
         let reference = references.film(frame - 1, || render_standard(bench, mode, &seen));
         let error = compare(&film, reference, stage.exposure_stops())?.relative_rmse;
         worst = Some(worst.unwrap_or(0.0).max(error));

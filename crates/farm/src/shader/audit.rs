@@ -3,7 +3,6 @@ use std::{
     time::Duration,
 };
 
-use lie_geom::RandomKey;
 use lie_protocol::{AuditReport, ShaderToConstructor, limit};
 use lie_render::Audit;
 use tokio::{sync::mpsc, time::sleep};
@@ -13,9 +12,6 @@ use crate::convert;
 
 /// How often the constructor is told.
 const EVERY: Duration = Duration::from_secs(1);
-
-/// Keeps the audit's random numbers apart from the frames'.
-const AUDIT: u64 = 0x6175_6469_7400;
 
 /// What audits have found since the constructor was last told.
 #[derive(Default)]
@@ -48,7 +44,6 @@ impl Ledger {
 pub(super) fn check(job: &Job, share: f32) {
     let frame = &*job.frame;
     let lies = frame.stage.lies.load_full();
-    let key = RandomKey::new(AUDIT).mix(frame.number);
     let found = lie_render::audit(
         &frame.stage.world,
         &*lies,
@@ -56,7 +51,7 @@ pub(super) fn check(job: &Job, share: f32) {
         &frame.settings,
         job.tile,
         share,
-        key,
+        frame.number,
     );
     frame.stage.audits.add(found);
 }

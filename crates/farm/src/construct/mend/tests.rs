@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use glam::{UVec2, Vec3};
-use lie_geom::{RandomKey, Ray};
+use lie_geom::Ray;
 use lie_octree::Region;
 use lie_render::{Audit, FrameSettings, Tile, render_frame};
 use lie_scene::{Mosque, mosque};
@@ -52,7 +52,7 @@ fn check(world: &Arc<World>, builder: &Builder, share: f32) -> Audit {
     };
     let camera = &world.scene().cameras[0];
     let (lies, frame) = (lies(world, builder), frame(world));
-    lie_render::audit(world, &lies, camera, &frame, tile, share, RandomKey::new(7))
+    lie_render::audit(world, &lies, camera, &frame, tile, share, 7)
 }
 
 /// Root mean square difference from the standard's picture, by its mean.
