@@ -9,7 +9,7 @@ use crate::{
     build::{Tree, build},
     node::Node,
     packet,
-    shaft::{self, Shaft},
+    shaft::{self, BoxShaft, Shaft},
     single,
 };
 
@@ -85,6 +85,10 @@ impl Accel for Bvh {
 
     fn inside(&self, shaft: &Shaft, limit: usize, found: &mut Vec<u32>) -> bool {
         shaft::inside(self, shaft, limit, found)
+    }
+
+    fn inside_boxes(&self, shaft: &BoxShaft, limit: usize, found: &mut Vec<u32>) -> bool {
+        shaft::inside_boxes(self, shaft, limit, found)
     }
 
     fn closest_packet(&self, packet: &RayPacket) -> [Option<Hit>; PACKET] {

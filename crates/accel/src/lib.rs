@@ -46,7 +46,7 @@ pub use grid::{GridStats, TwoLevelGrid};
 pub use kind::AccelKind;
 pub use mesh_edges::MeshEdges;
 pub use packet::{BlockPart, FanOccluders, OccluderBlocks, PACKET, RayPacket};
-pub use shaft::Shaft;
+pub use shaft::{BoxShaft, Shaft};
 
 use lie_geom::{Hit, Ray};
 
@@ -67,6 +67,12 @@ pub trait Accel: Send + Sync {
     /// up to `limit` in `found`. Says whether these are all: if not, there are too many, or the
     /// structure cannot tell.
     fn inside(&self, shaft: &Shaft, limit: usize, found: &mut Vec<u32>) -> bool {
+        let _ = (shaft, limit, found);
+        false
+    }
+
+    /// The same of a shaft between boxes.
+    fn inside_boxes(&self, shaft: &BoxShaft, limit: usize, found: &mut Vec<u32>) -> bool {
         let _ = (shaft, limit, found);
         false
     }

@@ -9,7 +9,7 @@ use lie_farm::{Builder, ConstructSettings, LieReplica, View};
 use lie_geom::{Aabb, RandomKey, Ray};
 use lie_octree::{Lie, Proof};
 use lie_render::{FrameSettings, World, render_frame};
-use lie_scene::{Bar, LightKind, Mosque, bar, mosque};
+use lie_scene::{Bar, Gallery, LightKind, Mosque, bar, gallery, mosque};
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
@@ -22,9 +22,18 @@ fn worlds() -> Vec<Arc<World>> {
         detail: 0.2,
         ..Bar::default()
     });
-    [mosque, bar]
+    let gallery = gallery(&Gallery {
+        detail: 0.2,
+        ..Gallery::default()
+    });
+    [mosque, bar, gallery]
         .map(|scene| Arc::new(World::new(Arc::new(scene))))
         .into()
+}
+
+/// Whether no light has an extent.
+fn has_points_alone(world: &World) -> bool {
+    world.scene().lights.iter().all(|light| light.is_delta())
 }
 
 fn view(world: &World) -> View {
@@ -81,14 +90,20 @@ fn what_is_certain_holds_everywhere_in_a_region() {
         for (number, lie) in (0..).zip(cells(&builder, &world)) {
             let region = lie.region();
             for (light, proof) in &region.lights {
-                let (LightKind::Point { position, .. } | LightKind::Spot { position, .. }) =
-                    world.scene().lights[*light as usize].kind
-                else {
-                    panic!("light {light} has an extent");
-                };
+                let light_form = &world.scene().lights[*light as usize];
                 let key = RandomKey::new(number).mix(u64::from(*light));
                 for n in 0..6 {
-                    let ray = Ray::segment_from(position, place_in(region.bounds, key, n));
+                    let place = place_in(region.bounds, key, n);
+                    let square = key.mix(1).uniform2(n);
+                    let Some(sample) = light_form.sample(place, square, world.reach()) else {
+                        continue;
+                    };
+                    let ray = match light_form.kind {
+                        LightKind::Point { .. } | LightKind::Spot { .. } => {
+                            Ray::segment_from(sample.target, place)
+                        }
+                        _ => Ray::segment(place, sample.target),
+                    };
                     let blocked = world.accel().is_blocked(&ray);
                     let expected = match proof {
                         Proof::Unoccluded => false,
@@ -109,7 +124,9 @@ fn what_is_certain_holds_everywhere_in_a_region() {
             }
         }
         let [clear, hidden, behind, open] = seen;
-        assert!(clear > 100 && hidden > 100 && behind > 100, "{seen:?}");
+        assert!(clear > 100 && behind > 100, "{seen:?}");
+        // Lights that have an extent are settled where they reach, or not at all.
+        assert!(hidden > 100 || !has_points_alone(&world), "{seen:?}");
         assert!(open < clear + hidden + behind, "{seen:?}");
     }
 }
@@ -132,8 +149,9 @@ fn a_picture_that_rests_on_proofs_is_the_standards() {
             let room = 1.0e-5 * expected.max_element().max(1.0e-3);
             assert!(found.abs_diff_eq(*expected, room), "{found} {expected}");
         }
+        let part = if has_points_alone(&world) { 0.5 } else { 0.9 };
         assert!(
-            2 * left.shadow_rays < all.shadow_rays,
+            (left.shadow_rays as f64) < part * all.shadow_rays as f64,
             "{} rays of {} are left",
             left.shadow_rays,
             all.shadow_rays

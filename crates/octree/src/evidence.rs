@@ -153,6 +153,16 @@ impl LightEvidence {
         }
     }
 
+    /// Occluders that were seen to block a ray from this very cell; more than `crowd` of a crowded
+    /// light.
+    pub(crate) fn confirmed(&self, crowd: u32) -> usize {
+        if self.is_past_listing() {
+            return crowd as usize + 1;
+        }
+        let confirmed = self.occluders.iter().filter(|own| own.is_confirmed());
+        confirmed.count()
+    }
+
     /// Rays from this very cell.
     pub(crate) fn own_rays(&self) -> u16 {
         self.clear.saturating_add(self.blocked)

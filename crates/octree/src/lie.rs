@@ -169,15 +169,15 @@ impl Lie {
     /// ray from it. A crowded light counts as more than `crowd`.
     #[must_use]
     pub fn complexity(&self, crowd: u32) -> usize {
-        let own = |entry: &LightEvidence| match entry.is_past_listing() {
-            true => crowd as usize + 1,
-            false => entry
-                .occluders
-                .iter()
-                .filter(|own| own.is_confirmed())
-                .count(),
-        };
-        self.lights().map(own).sum::<usize>() + self.region.listed()
+        self.complexity_with(&self.region, crowd)
+    }
+
+    /// The same, if this were certain of it.
+    #[must_use]
+    pub fn complexity_with(&self, region: &Region, crowd: u32) -> usize {
+        let is_left = |entry: &&LightEvidence| !region.is_settled(entry.light);
+        let own = self.lights().filter(is_left);
+        own.map(|entry| entry.confirmed(crowd)).sum::<usize>() + region.listed()
     }
 
     /// Occluders in all of its lists.

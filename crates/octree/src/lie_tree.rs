@@ -4,7 +4,7 @@ use glam::Vec3;
 use lie_geom::Aabb;
 
 use crate::{
-    Between, CellBody, CellKey, CellState, Lie, LightEvidence, Observation, Region,
+    Between, CellBody, CellKey, CellState, Lie, LightEvidence, Observation, Proof, Region,
     tree::{Cell, Cube, Octree},
 };
 
@@ -249,8 +249,9 @@ impl LieTree {
         }
         let too_complex = lie.complexity(settings.crowd) > settings.split_threshold as usize;
         let dense = group.len() >= settings.split_samples as usize;
-        // Where something is certain, whoever proves it splits.
-        let is_free = lie.region().lights.is_empty();
+        // Where something was to be proven, whoever tried it splits.
+        let is_open = |entry: &(u32, Proof)| entry.1 == Proof::Open;
+        let is_free = !lie.region().lights.iter().any(is_open);
         if is_free && too_complex && dense && key.depth() < settings.max_depth {
             *lie = before;
             self.split(key);

@@ -2,12 +2,14 @@
 //! the one to the other fill (Haines and Wallace 1991, *Shaft Culling for Efficient Ray-Traced
 //! Radiosity*), and whether they leave a way through.
 
+mod boxes;
 mod cover;
 
 use glam::Vec3;
 use lie_geom::{Aabb, Triangle, edge_planes, plane_offset};
 use multiversion::multiversion;
 
+pub use self::boxes::BoxShaft;
 use crate::{
     Bvh,
     block::{BLOCK, TriangleBlock},
@@ -29,6 +31,15 @@ pub struct Shaft {
     ways: [[f32; 3]; 2],
     /// Planes along one axis each, which it lies on one side of.
     sides: [Side; SIDES],
+}
+
+/// A part of space, by conservative tests.
+trait Volume {
+    /// The children of a node whose boxes it meets: bit `i` for child `i`.
+    fn children(&self, node: &Node) -> u32;
+
+    /// The triangles of a block that it may meet: bit `i` for lane `i`.
+    fn triangles(&self, block: &TriangleBlock) -> u32;
 }
 
 /// Two tangents from the apex to the box, seen along each axis.
@@ -96,50 +107,8 @@ impl Shaft {
         shaft
     }
 
-    /// The children of a node whose boxes it meets: bit `i` for child `i`.
-    #[inline(always)]
-    fn children(&self, node: &Node) -> u32 {
-        let mut inside = [true; WIDTH];
-        for axis in 0..3 {
-            let (low, high) = (&node.planes[2 * axis], &node.planes[2 * axis + 1]);
-            for child in 0..WIDTH {
-                inside[child] &=
-                    (low[child] <= self.around[1][axis]) & (high[child] >= self.around[0][axis]);
-            }
-        }
-        for side in &self.sides {
-            let (u, v) = (&node.planes[side.rows[0]], &node.planes[side.rows[1]]);
-            for child in 0..WIDTH {
-                let most = side.normal[0] * u[child] + side.normal[1] * v[child];
-                // Unused children's boxes are infinite, and their sum may be undefined.
-                inside[child] &= most >= side.least;
-            }
-        }
-        let mut bits = [0; WIDTH];
-        for child in 0..WIDTH {
-            bits[child] = if inside[child] { 1 << child } else { 0 };
-        }
-        union(&bits)
-    }
-
-    /// The triangles of a block that some segment may hit: bit `i` for lane `i`. Rounding is
-    /// monotonic, so what the operations of the triangle test make of an interval's ends bounds
-    /// what they make of a ray.
-    #[inline(always)]
-    fn triangles(&self, block: &TriangleBlock) -> u32 {
-        let mut inside = [0; BLOCK];
-        for lane in 0..BLOCK {
-            let (corners, normal) = block.lane(lane);
-            inside[lane] = if self.is_inside(corners, normal) {
-                1 << lane
-            } else {
-                0
-            };
-        }
-        union(&inside)
-    }
-
-    /// Whether some segment may hit a triangle.
+    /// Whether some segment may hit a triangle. Rounding is monotonic, so what the operations
+    /// of the triangle test make of an interval's ends bounds what they make of a ray.
     #[inline(always)]
     fn is_inside(&self, corners: [[f32; 3]; 3], normal: [f32; 3]) -> bool {
         let planes = edge_planes(corners, self.apex);
@@ -171,6 +140,55 @@ impl Shaft {
         let y = ends(vector[1] * low[1], vector[1] * high[1]);
         let z = ends(vector[2] * low[2], vector[2] * high[2]);
         [x[0] + y[0] + z[0], x[1] + y[1] + z[1]]
+    }
+}
+
+impl Volume for Shaft {
+    #[inline(always)]
+    fn children(&self, node: &Node) -> u32 {
+        let mut inside = [true; WIDTH];
+        for axis in 0..3 {
+            let (low, high) = (&node.planes[2 * axis], &node.planes[2 * axis + 1]);
+            for child in 0..WIDTH {
+                inside[child] &=
+                    (low[child] <= self.around[1][axis]) & (high[child] >= self.around[0][axis]);
+            }
+        }
+        for side in &self.sides {
+            side.cut(node, &mut inside);
+        }
+        let mut bits = [0; WIDTH];
+        for child in 0..WIDTH {
+            bits[child] = if inside[child] { 1 << child } else { 0 };
+        }
+        union(&bits)
+    }
+
+    #[inline(always)]
+    fn triangles(&self, block: &TriangleBlock) -> u32 {
+        let mut inside = [0; BLOCK];
+        for lane in 0..BLOCK {
+            let (corners, normal) = block.lane(lane);
+            inside[lane] = if self.is_inside(corners, normal) {
+                1 << lane
+            } else {
+                0
+            };
+        }
+        union(&inside)
+    }
+}
+
+impl Side {
+    /// Strikes out the children of a node whose boxes lie beyond.
+    #[inline(always)]
+    fn cut(&self, node: &Node, inside: &mut [bool; WIDTH]) {
+        let (u, v) = (&node.planes[self.rows[0]], &node.planes[self.rows[1]]);
+        for child in 0..WIDTH {
+            let most = self.normal[0] * u[child] + self.normal[1] * v[child];
+            // Unused children's boxes are infinite, and their sum may be undefined.
+            inside[child] &= most >= self.least;
+        }
     }
 }
 
@@ -211,13 +229,23 @@ pub(crate) fn inside(bvh: &Bvh, shaft: &Shaft, limit: usize, found: &mut Vec<u32
     with_stack(|stack| inside_kernel(bvh, shaft, limit, found, stack))
 }
 
+/// The same of a shaft between boxes.
+pub(crate) fn inside_boxes(
+    bvh: &Bvh,
+    shaft: &BoxShaft,
+    limit: usize,
+    found: &mut Vec<u32>,
+) -> bool {
+    with_stack(|stack| inside_kernel(bvh, shaft, limit, found, stack))
+}
+
 #[multiversion(targets(
     "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
     "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
 ))]
-fn inside_kernel(
+fn inside_kernel<V: Volume>(
     bvh: &Bvh,
-    shaft: &Shaft,
+    shaft: &V,
     limit: usize,
     found: &mut Vec<u32>,
     stack: &mut Stack,

@@ -67,6 +67,41 @@ fn whatever_blocks_a_segment_is_inside() {
     assert!(listed < 40_000, "{listed} listed");
 }
 
+#[test]
+fn whatever_blocks_a_segment_between_boxes_is_inside() {
+    let geometry = soup(3000, 22);
+    let bvh = Bvh::build(&geometry, None);
+    let (mut blocking, mut listed) = (0, 0);
+    for seed in 0..300 {
+        let key = RandomKey::new(seed);
+        let from = random_box(key.mix(1), 6.0 * vector(key.mix(2), 0), 0.6);
+        let to = random_box(key.mix(3), 6.0 * vector(key.mix(2), 1), 0.4);
+        let shaft = BoxShaft::new(from, to, bvh.bounds());
+        let mut found = vec![];
+        assert!(bvh.inside_boxes(&shaft, usize::MAX, &mut found));
+        found.sort_unstable();
+        listed += found.len();
+        let may_hit = |&index: &u32| shaft.may_hit(&geometry.shapes()[index as usize]);
+        assert!(found.iter().all(may_hit));
+        for n in 0..40 {
+            let target = place_in(to, key.mix(5), n);
+            let ray = Ray::segment(place_in(from, key.mix(4), n), target);
+            for (index, shape) in (0..).zip(geometry.shapes()) {
+                if shape.intersect(&ray).is_some() {
+                    blocking += 1;
+                    assert!(found.binary_search(&index).is_ok(), "seed {seed}: {index}");
+                }
+            }
+        }
+        if found.len() > 1 {
+            let mut some = vec![];
+            assert!(!bvh.inside_boxes(&shaft, found.len() - 1, &mut some));
+        }
+    }
+    assert!(blocking > 1000, "{blocking} blocked");
+    assert!(listed < 90_000, "{listed} listed");
+}
+
 /// A bumpy wall in the plane `x = 0`, of two triangles to each of `n × n` squares.
 fn wall(n: u32, key: RandomKey) -> Vec<Vec3> {
     let corner = |y: u32, z: u32| {

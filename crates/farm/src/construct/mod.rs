@@ -117,8 +117,7 @@ impl Builder {
         // The paper's mode proves nothing, and masking wants to see what lights give.
         let lie = tree.settings();
         let shafts = Arc::new(Shafts::new(world.clone()));
-        let may_prove =
-            settings.proofs && lie.trust > 0 && lie.masking == 0.0 && !shafts.is_empty();
+        let may_prove = settings.proofs && lie.trust > 0 && lie.masking == 0.0;
         let prover = may_prove.then(|| Prover::new(&world, shafts.clone(), lie.crowd));
         Ok(Self {
             prover,
@@ -238,7 +237,9 @@ impl Builder {
                     .lights
                     .iter()
                     .filter(|(_, proof)| *proof == Proof::Open);
-                let complexity = region.listed() + open.count() * settings.crowd as usize;
+                let lie = self.tree.lie_at(origin(&points[0]));
+                let complexity = lie.complexity_with(&region, settings.crowd)
+                    + open.count() * settings.crowd as usize;
                 let is_complex =
                     region.bounds.is_empty() || complexity > settings.split_threshold as usize;
                 if is_complex && points.len() >= dense && self.tree.split(key) {

@@ -3,16 +3,19 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use lie_accel::MeshEdges;
+use lie_accel::{MeshEdges, Shaft};
 use lie_geom::{Aabb, Ray};
 use lie_octree::{Lie, Proof, Region};
 use lie_render::World;
 use lie_scene::Light;
 
-use super::{point::Point, shafts::Shafts};
+use super::{
+    point::Point,
+    shafts::{LightShaft, Shafts, Target},
+};
 
-/// Settles lights by geometry alone: points and spots, wherever nothing is in the way of a cell,
-/// or everything, or few enough triangles to list.
+/// Settles lights by geometry alone, wherever nothing is in the way of a cell, or few enough
+/// triangles to list; or everything, if the light is a point or a spot.
 pub(super) struct Prover {
     edges: MeshEdges,
     shafts: Arc<Shafts>,
@@ -24,6 +27,10 @@ pub(super) struct Prover {
 /// asking the scene, and samples find a shorter one.
 const LONGEST: usize = 128;
 
+/// The same of lights that have an extent: their shafts are wide, and most of what is in them
+/// blocks little. Samples find shorter lists.
+const LONGEST_TO_AREA: usize = 16;
+
 /// Triangles that a proof of a hidden light may take.
 const COVER: usize = 128;
 
@@ -34,8 +41,13 @@ impl Prover {
     /// Makes ready for a scene: finds the neighbours of its triangles. No list gets longer than
     /// `crowd`.
     pub(super) fn new(world: &World, shafts: Arc<Shafts>, crowd: u32) -> Self {
+        let edges = if shafts.has_places() {
+            MeshEdges::new(world.scene().geometry.shapes())
+        } else {
+            MeshEdges::default()
+        };
         Self {
-            edges: MeshEdges::new(world.scene().geometry.shapes()),
+            edges,
             shafts,
             longest: LONGEST.min(crowd as usize),
         }
@@ -64,11 +76,13 @@ impl Prover {
         let mut is_news = !holds;
         let mut lights = vec![];
         for (light, form) in (0..).zip(&world.scene().lights) {
-            let Some(place) = self.shafts.place(light) else {
-                continue;
-            };
+            let target = self.shafts.target(light);
             let before = known.proof(light);
-            if before.is_none() && !facing.is_reached(form, place) {
+            if before.is_none() && !facing.is_reached(form, target) {
+                continue;
+            }
+            // Of a light that has an extent nothing is kept that is not certain.
+            if before.is_none() && holds && !self.serves(light) {
                 continue;
             }
             let proof = match (before, above.and_then(|above| above.proof(light))) {
@@ -77,23 +91,46 @@ impl Prover {
                 (_, Some(proof @ (Proof::Unoccluded | Proof::Hidden))) => proof.clone(),
                 _ => {
                     is_news = true;
-                    self.prove(world, place, bounds)
+                    self.prove(world, light, bounds)
                 }
             };
-            lights.push((light, proof));
+            if proof != Proof::Open || self.serves(light) {
+                lights.push((light, proof));
+            }
         }
         is_news.then_some(Region { bounds, lights })
     }
 
     /// Whether a light is one that cells are told of whenever it may reach them.
     pub(super) fn serves(&self, light: u32) -> bool {
-        self.shafts.place(light).is_some()
+        matches!(self.shafts.target(light), Target::Place(_))
     }
 
-    /// What is certain between a place and a box.
-    fn prove(&self, world: &World, place: Vec3, ends: Aabb) -> Proof {
+    /// What is certain between a light and a box.
+    fn prove(&self, world: &World, light: u32, ends: Aabb) -> Proof {
+        let target = self.shafts.target(light);
+        let shaft = self.shafts.to(target, ends);
+        let own = self.shafts.own(light);
+        let mut found = vec![];
+        match (target, &shaft) {
+            (Target::Place(place), LightShaft::Place(shaft)) => {
+                self.prove_point(world, place, shaft, ends)
+            }
+            _ => {
+                let longest = match target {
+                    Target::Box(_) => self.longest.min(LONGEST_TO_AREA),
+                    _ => self.longest,
+                };
+                let is_all = shaft.inside(world, longest + own.len(), &mut found);
+                found.retain(|triangle| !own.contains(triangle));
+                if is_all { listed(found) } else { Proof::Open }
+            }
+        }
+    }
+
+    /// What is certain between a place and a box, with the shaft between them.
+    fn prove_point(&self, world: &World, place: Vec3, shaft: &Shaft, ends: Aabb) -> Proof {
         let scene = world.scene();
-        let shaft = self.shafts.from(place, ends);
         let through = Ray::segment_from(place, ends.center());
         let shapes = scene.geometry.shapes();
         let is_solid = |triangle| !world.has_holes(triangle);
@@ -103,7 +140,7 @@ impl Prover {
             return Proof::Hidden;
         }
         let mut found = vec![];
-        let is_all = world.accel().inside(&shaft, self.longest, &mut found);
+        let is_all = world.accel().inside(shaft, self.longest, &mut found);
         if let Some(blocker) = blocker {
             // Another surface on the way may cover what this one does not.
             let others = found.iter().copied().filter(|&other| {
@@ -116,12 +153,17 @@ impl Prover {
         if !is_all {
             return Proof::Open;
         }
-        if found.is_empty() {
-            return Proof::Unoccluded;
-        }
-        found.sort_unstable();
-        Proof::Behind(found.into())
+        listed(found)
     }
+}
+
+/// Nothing but these triangles is in the way.
+fn listed(mut found: Vec<u32>) -> Proof {
+    if found.is_empty() {
+        return Proof::Unoccluded;
+    }
+    found.sort_unstable();
+    Proof::Behind(found.into())
 }
 
 fn contains(outer: &Aabb, inner: &Aabb) -> bool {
@@ -173,9 +215,22 @@ impl Facing {
     }
 
     /// Whether a light at a place may reach any of the points; in doubt it does.
-    fn is_reached(&self, light: &Light, place: Vec3) -> bool {
-        let room = 1.0e-5 * (1.0 + place.abs().max_element());
-        let faces = |&(normal, least): &(Vec3, f32)| normal.dot(place) > least - room;
+    fn is_reached(&self, light: &Light, target: Target) -> bool {
+        let faces = |&(normal, least): &(Vec3, f32)| most_along(normal, target, least) > 0.0;
         self.sides.iter().any(faces) && light.may_reach(self.bounds)
+    }
+}
+
+/// By how much a light's targets are at most in front of a plane with this normal and offset, with
+/// some room.
+fn most_along(normal: Vec3, target: Target, offset: f32) -> f32 {
+    let room = |place: Vec3| 1.0e-5 * (1.0 + place.abs().max_element());
+    match target {
+        Target::Place(place) => normal.dot(place) - offset + room(place),
+        Target::Box(bounds) => {
+            let (center, half) = (bounds.center(), 0.5 * bounds.size());
+            normal.dot(center) + normal.abs().dot(half) - offset + room(bounds.max.max(-bounds.min))
+        }
+        Target::Away(way) => normal.dot(way) + room(way),
     }
 }
