@@ -7,13 +7,18 @@ use clap::Args;
 use indicatif::ProgressBar;
 use lie_farm::{
     client::ClientConfig,
-    launch::{Farm, LaunchConfig},
+    launch::{self, Farm, LaunchConfig},
     network::Exposure,
+    snapshot::SnapshotFile,
 };
 use lie_render::AccelKind;
 
 use super::{render::Construction, walk::WalkOptions};
-use crate::{args::Accel, failure::usage, process};
+use crate::{
+    args::{self, Accel},
+    failure::usage,
+    process,
+};
 
 /// Renders a walkthrough on this machine: a constructor, shaders and a client, each a
 /// process of its own, as on a cluster.
@@ -47,6 +52,8 @@ pub(crate) struct Run {
     cache: Option<PathBuf>,
     #[command(flatten)]
     construction: Construction,
+    #[command(flatten)]
+    lies: args::Lies,
 }
 
 pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
@@ -54,11 +61,12 @@ pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
         let scene = arguments.scene.display();
         return Err(usage(format!("{scene}: there is no such scene")).into());
     }
+    let lies = arguments.lies.file()?;
     arguments.walk.prepare()?;
     let runtime = process::runtime()?;
-    let shutdown = process::shutdown(&runtime, None);
+    let shutdown = process::shutdown(&runtime, None, process::PATIENCE);
     let bar = arguments.walk.progress_bar();
-    let launch = launch_config(arguments, log, bar.clone())?;
+    let launch = launch_config(arguments, lies, log, bar.clone())?;
     let result = runtime.block_on(async {
         let farm = tokio::select! {
             started = Farm::start(launch) => started?,
@@ -77,7 +85,12 @@ pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
     arguments.walk.conclude(&result?)
 }
 
-fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result<LaunchConfig> {
+fn launch_config(
+    arguments: &Run,
+    lies: Option<SnapshotFile>,
+    log: &str,
+    bar: ProgressBar,
+) -> anyhow::Result<LaunchConfig> {
     let mut constructor: Vec<OsString> = vec!["constructor".into(), arguments.scene.clone().into()];
     constructor.extend(["--log".into(), log.into()]);
     constructor.extend(["--listen".into(), "127.0.0.1:0".into()]);
@@ -87,6 +100,9 @@ fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result
     let accel = AccelKind::from(arguments.accel).name();
     constructor.extend(["--accel".into(), accel.into()]);
     constructor.extend(arguments.construction.to_arguments());
+    if let Some(file) = &lies {
+        constructor.extend(["--lies".into(), file.path().into()]);
+    }
     if arguments.freeze {
         constructor.push("--freeze".into());
         if let Some(walk) = &arguments.walk.walk {
@@ -114,6 +130,10 @@ fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result
         constructor,
         shader,
         shaders: arguments.shaders as usize,
+        constructor_grace: match lies {
+            Some(_) => process::PATIENCE_TO_SAVE,
+            None => launch::GRACE,
+        },
         log: Arc::new(move |who, line| {
             // Nothing is left to do if standard error is closed.
             bar.suspend(|| drop(writeln!(std::io::stderr(), "{who:>11} | {line}")));
