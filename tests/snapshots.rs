@@ -12,13 +12,13 @@ use std::{
 
 use glam::UVec2;
 use lie_farm::{
-    client::{Client, ClientConfig, FrameRequest},
+    client::{Client, ClientConfig},
     convert,
     network::Exposure,
 };
-use lie_protocol::{Compression, PixelFormat, WireIntegrator};
+use lie_protocol::LieStatus;
 use serde_json::Value;
-use support::{Process, cornell, failure, lie, wait_until};
+use support::{LONG, Process, cornell, failure, lie, succeeds};
 
 /// A folder with a snapshot, pictures and statistics in it.
 struct Home(tempfile::TempDir);
@@ -50,8 +50,7 @@ impl Home {
         let output = self.command(&cornell(), more).output().unwrap();
         let log = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.success(), "{log}");
-        let stats: Value =
-            serde_json::from_slice(&fs::read(self.path("a.json")).unwrap()).unwrap();
+        let stats: Value = serde_json::from_slice(&fs::read(self.path("a.json")).unwrap()).unwrap();
         let picture = fs::read(self.path("a.exr")).unwrap();
         (picture, stats["lie"].clone(), log)
     }
@@ -67,17 +66,30 @@ fn a_warm_start_takes_no_samples_and_gives_the_same_picture() {
     let (picture, warm, log) = home.render(&[]);
     assert_eq!((warm["taken"].as_u64(), log.as_str()), (Some(0), ""));
     assert!(picture == cold_picture, "the pictures differ");
-    for key in ["converged", "samples", "version", "cells", "bytes", "estimated_error"] {
+    for key in [
+        "converged",
+        "samples",
+        "version",
+        "cells",
+        "bytes",
+        "estimated_error",
+    ] {
         assert_eq!(warm[key], cold[key], "{key}");
     }
-    assert!(fs::read(home.lies()).unwrap() == saved, "nothing was to be saved");
+    assert!(
+        fs::read(home.lies()).unwrap() == saved,
+        "nothing was to be saved"
+    );
 
     // Exactly so many samples more, whatever had converged.
     let (_, more, _) = home.render(&["--samples", "3072"]);
     assert!(more["taken"].as_u64().unwrap() >= 3072, "{more}");
     assert!(more["samples"].as_u64() > warm["samples"].as_u64());
     let (_, none, _) = home.render(&["--samples", "0"]);
-    assert_eq!((&none["taken"], &none["samples"]), (&0.into(), &more["samples"]));
+    assert_eq!(
+        (&none["taken"], &none["samples"]),
+        (&0.into(), &more["samples"])
+    );
 }
 
 #[test]
@@ -101,17 +113,27 @@ fn a_snapshot_that_cannot_be_used_is_one_line_and_a_cold_start() {
         assert_eq!(log.lines().count(), 1, "{log}");
         assert!(stats["taken"].as_u64().unwrap() > 0, "{stats}");
         assert!(picture == cold, "the pictures differ");
-        assert!(fs::read(home.lies()).unwrap() == saved, "it was not replaced");
+        assert!(
+            fs::read(home.lies()).unwrap() == saved,
+            "it was not replaced"
+        );
     }
     let (_, stats, log) = home.render(&["--trust", "64"]);
     assert!(log.contains("trust of 512, not 64"), "{log}");
     assert!(stats["taken"].as_u64().unwrap() > 0, "{stats}");
     // The same room, under another name.
     let scene = home.path("other.toml");
-    fs::write(&scene, "name = \"other\"\n[[geometry]]\ngenerator = \"cornell-box\"\n").unwrap();
+    fs::write(
+        &scene,
+        "name = \"other\"\n[[geometry]]\ngenerator = \"cornell-box\"\n",
+    )
+    .unwrap();
     let output = home.command(&scene, &[]).output().unwrap();
     let log = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && log.contains("another scene"), "{log}");
+    assert!(
+        output.status.success() && log.contains("another scene"),
+        "{log}"
+    );
 }
 
 #[test]
@@ -129,29 +151,78 @@ fn what_is_no_snapshot_is_left_as_it_is() {
             }
         };
         let message = failure(&mut command, 2);
-        assert!(message.contains("a.lies") && message.contains("no snapshot"), "{message}");
+        assert!(
+            message.contains("a.lies") && message.contains("no snapshot"),
+            "{message}"
+        );
         assert_eq!(message.lines().count(), 1, "{message}");
     }
     assert_eq!(fs::read_to_string(home.lies()).unwrap(), "precious");
     assert!(!home.path("a.exr").exists());
 }
 
-/// A frame of the first camera, once that has converged.
-async fn converged_frame(constructor: &Process) -> lie_farm::client::Frame {
+/// Looks through the first camera until that has converged; tells what the constructor then says.
+async fn settle(constructor: &Process) -> LieStatus {
     let config = ClientConfig::new(&constructor.address, Exposure::Loopback);
-    let mut client = Client::connect(config).await.unwrap();
-    client.wait_for_shaders(1).await;
-    let request = FrameRequest {
-        camera: convert::camera(&client.scene().cameras[0]).unwrap(),
-        size: UVec2::new(64, 48),
-        samples_per_pixel: 1,
-        light_samples: 4,
-        integrator: WireIntegrator::Lie,
-        seed: 7,
-        format: PixelFormat::F32,
-        compression: Compression::None,
+    let client = Client::connect(config).await.unwrap();
+    let camera = convert::camera(&client.scene().cameras[0]).unwrap();
+    let serial = client.set_camera(&camera, UVec2::new(64, 48));
+    assert!(client.settled(serial, LONG).await, "it has not converged");
+    client.status().borrow().clone()
+}
+
+#[tokio::test]
+async fn a_constructor_saves_at_its_end_and_starts_warm() {
+    let home = Home::new();
+    let lies = home.lies().to_str().unwrap().to_owned();
+    let first = Process::constructor(&["--lies", &lies]);
+    let cold = settle(&first).await;
+    assert!(cold.samples > 0, "{cold:?}");
+    assert!(first.end().success());
+    let saved = fs::read(home.lies()).unwrap();
+
+    let mut second = Process::constructor(&["--lies", &lies]);
+    let warm = settle(&second).await;
+    assert_eq!((warm.samples, warm.version), (cold.samples, cold.version));
+    assert_eq!(warm.estimated_error, cold.estimated_error);
+    // Killed, it leaves what was there.
+    second.kill();
+    assert!(fs::read(home.lies()).unwrap() == saved);
+
+    // Frozen LIEs come from the same file; there the view is another one, of another size.
+    let frozen = ["--freeze", "--freeze-size", "32x32", "--lies", &lies];
+    let third = Process::constructor(&frozen);
+    assert!(!third.log().contains("WARN"), "{}", third.log());
+    assert!(
+        fs::read(home.lies()).unwrap() != saved,
+        "it was saved at once"
+    );
+}
+
+#[test]
+fn a_whole_farm_starts_warm() {
+    let home = Home::new();
+    let run = || {
+        let mut run = lie();
+        run.arg("run").arg(cornell()).arg("--lies").arg(home.lies());
+        run.args([
+            "--shaders",
+            "1",
+            "--frames",
+            "2",
+            "--size",
+            "64x48",
+            "--settle",
+        ]);
+        run.arg("--stats").arg(home.path("run.json"));
+        succeeds(&mut run);
+        let stats = fs::read(home.path("run.json")).unwrap();
+        let stats: Value = serde_json::from_slice(&stats).unwrap();
+        let version = stats["frames"][1]["lie_version"].as_u64().unwrap();
+        (version, fs::read(home.lies()).unwrap())
     };
-    client.render_frame(&request).await.unwrap();
-    client.settle(support::LONG).await;
-    client.render_frame(&request).await.unwrap()
+    let (cold_version, saved) = run();
+    let (warm_version, again) = run();
+    assert_eq!(warm_version, cold_version);
+    assert!(again == saved, "nothing was to be saved");
 }

@@ -23,7 +23,8 @@ fn world() -> Arc<World> {
 }
 
 fn hash() -> SceneHash {
-    scene_hash(world().scene()).unwrap()
+    static HASH: OnceLock<SceneHash> = OnceLock::new();
+    *HASH.get_or_init(|| scene_hash(world().scene()).unwrap())
 }
 
 fn view() -> View {
