@@ -168,7 +168,7 @@ async fn settle(constructor: &Process) -> LieStatus {
     let camera = convert::camera(&client.scene().cameras[0]).unwrap();
     let serial = client.set_camera(&camera, UVec2::new(64, 48));
     assert!(client.settled(serial, LONG).await, "it has not converged");
-    client.status().borrow().clone()
+    *client.status().borrow()
 }
 
 #[tokio::test]
