@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use glam::UVec2;
+use lie_farm::snapshot::SnapshotFile;
 use lie_render::AccelKind;
 use lie_scene::{Camera, RenderSettings, Scene, Walkthrough};
 
@@ -117,6 +118,31 @@ impl From<ToneCurve> for lie_render::ToneCurve {
             ToneCurve::Linear => Self::Linear,
             ToneCurve::Aces => Self::Aces,
         }
+    }
+}
+
+/// Local illumination environments that outlast a process.
+#[derive(Args)]
+#[command(next_help_heading = "Snapshots")]
+pub(crate) struct Lies {
+    /// Keep local illumination environments in this file: go on from what is saved there, and
+    /// save what is learnt since. `lie render` saves once its picture is written, a constructor
+    /// every minute and at its end. Views that had converged have converged at once.
+    /// A snapshot that is damaged, or of another format, scene or other settings of
+    /// construction, is refused with a warning, constructed anew and replaced. A file that is
+    /// no snapshot ends the command with code 2 and is left as it is.
+    #[arg(long, value_name = "FILE")]
+    lies: Option<PathBuf>,
+}
+
+impl Lies {
+    /// The file, if one is named and it is a snapshot or may become one.
+    pub(crate) fn file(&self) -> Result<Option<SnapshotFile>, Usage> {
+        let file = self.lies.as_ref().map(SnapshotFile::new);
+        file.as_ref()
+            .map_or(Ok(()), SnapshotFile::check)
+            .or_usage()?;
+        Ok(file)
     }
 }
 

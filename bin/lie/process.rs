@@ -13,7 +13,10 @@ use tokio_util::sync::CancellationToken;
 use crate::{args::say, failure::Usage, failure::usage};
 
 /// How long an orderly end may take before the process ends anyhow.
-const PATIENCE: Duration = Duration::from_millis(700);
+pub(crate) const PATIENCE: Duration = Duration::from_millis(700);
+
+/// The same where LIEs are to be saved.
+pub(crate) const PATIENCE_TO_SAVE: Duration = Duration::from_secs(60);
 
 /// Whom a process talks to.
 #[derive(Args, Clone, Copy, Debug)]
@@ -89,8 +92,13 @@ pub(crate) fn announce(listener: &TcpListener) -> anyhow::Result<()> {
 }
 
 /// A token that is cancelled when the process shall end: by an interrupt, a termination
-/// signal, or, for a supervised child, the end of standard input.
-pub(crate) fn shutdown(runtime: &Runtime, supervision: Option<Supervision>) -> CancellationToken {
+/// signal, or, for a supervised child, the end of standard input. A process under supervision
+/// is cut off if its end takes longer than `patience`.
+pub(crate) fn shutdown(
+    runtime: &Runtime,
+    supervision: Option<Supervision>,
+    patience: Duration,
+) -> CancellationToken {
     let token = CancellationToken::new();
     let signalled = token.clone();
     runtime.spawn(async move {
@@ -109,7 +117,7 @@ pub(crate) fn shutdown(runtime: &Runtime, supervision: Option<Supervision>) -> C
         let cancelled = token.clone();
         runtime.spawn(async move {
             cancelled.cancelled().await;
-            tokio::time::sleep(PATIENCE).await;
+            tokio::time::sleep(patience).await;
             tracing::warn!("the process did not end in time and is cut off");
             std::process::exit(0);
         });

@@ -39,6 +39,8 @@ pub(crate) struct Constructor {
     #[command(flatten)]
     construction: Construction,
     #[command(flatten)]
+    lies: args::Lies,
+    #[command(flatten)]
     network: Network,
     #[command(flatten)]
     supervision: Supervision,
@@ -77,8 +79,13 @@ impl Frozen {
 }
 
 pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
+    let lies = arguments.lies.file()?;
     let runtime = process::runtime()?;
-    let shutdown = process::shutdown(&runtime, Some(arguments.supervision));
+    let patience = match lies {
+        Some(_) => process::PATIENCE_TO_SAVE,
+        None => process::PATIENCE,
+    };
+    let shutdown = process::shutdown(&runtime, Some(arguments.supervision), patience);
     let listener = process::listen(&runtime, &arguments.listen, arguments.network)?;
 
     let scene = args::load_scene(&arguments.scene)?;
@@ -97,6 +104,7 @@ pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
             ..arguments.construction.settings(&scene)
         },
         freeze: freeze.transpose()?,
+        lies,
     };
     let prepared = Prepared::new(scene, &config)?;
 

@@ -9,8 +9,12 @@ use std::{
 use clap::Args;
 use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
-use lie_farm::{BatchReport, Builder, ConstructSettings, LieReplica, View};
+use lie_farm::{
+    BatchReport, Builder, ConstructSettings, LieReplica, Snapshot, View,
+    snapshot::{self, SnapshotFile},
+};
 use lie_octree::LieTree;
+use lie_protocol::SceneHash;
 use lie_render::{AccelKind, Film, FrameSettings, LieLookup, RenderStats, ToneMap, World};
 use lie_scene::Camera;
 
@@ -23,7 +27,8 @@ use crate::{
 /// Renders one frame in this process, without a network.
 ///
 /// With `--integrator lie`, local illumination environments are constructed first, until
-/// the view has converged (or for `--samples` samples); then the frame alone is timed.
+/// the view has converged (or for `--samples` samples), or taken from `--lies FILE`; then the
+/// frame alone is timed.
 #[derive(Args)]
 pub(crate) struct Render {
     /// A scene: .toml, .glb, .gltf or .obj, or a folder with a scene.toml.
@@ -84,6 +89,8 @@ pub(crate) struct Render {
     seed: u64,
     #[command(flatten)]
     construction: Construction,
+    #[command(flatten)]
+    lies: args::Lies,
     /// Write times and counts to this file as JSON.
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
@@ -191,6 +198,7 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
     for path in std::iter::once(&arguments.out).chain(&arguments.aovs) {
         check_folder(path)?;
     }
+    let lies = arguments.lies.file()?;
     let scene = Arc::new(args::load_scene(&arguments.scene)?);
     let camera = match &arguments.walk {
         Some(name) => args::find_walkthrough(&scene, Some(name))?.camera_at(arguments.at),
@@ -211,7 +219,7 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
     let build_ms = milliseconds(clock.elapsed());
 
     let construction = (arguments.integrator == Integrator::Lie)
-        .then(|| construct(arguments, &world, &camera, settings.size, threads))
+        .then(|| construct(arguments, &world, &camera, settings.size, threads, lies))
         .transpose()?;
     let frame =
         pool.install(|| render(arguments, &world, &camera, &settings, construction.as_ref()));
@@ -242,6 +250,9 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
             construction.as_ref(),
         );
         write_json(path, &stats)?;
+    }
+    if let Some((file, snapshot, hash)) = construction.as_ref().and_then(|it| it.unsaved.as_ref()) {
+        file.save(snapshot, *hash)?;
     }
     let size = settings.size;
     say(format_args!(
@@ -295,6 +306,8 @@ struct Constructed {
     report: BatchReport,
     stats: lie_octree::LieStats,
     milliseconds: f64,
+    /// What is to be saved, where, and of which scene.
+    unsaved: Option<(SnapshotFile, Snapshot, SceneHash)>,
 }
 
 fn construct(
@@ -303,6 +316,7 @@ fn construct(
     camera: &Camera,
     size: UVec2,
     threads: usize,
+    lies: Option<SnapshotFile>,
 ) -> anyhow::Result<Constructed> {
     /// Passes over the view after which construction gives up waiting for convergence.
     const MAX_PASSES: u64 = 64;
@@ -313,6 +327,12 @@ fn construct(
     };
     let clock = Instant::now();
     let mut builder = Builder::new(world.clone(), settings)?;
+    let lies = lies.map(|file| {
+        let hash = snapshot::scene_hash(world.scene())?;
+        file.restore(&mut builder, hash)?;
+        Ok::<_, anyhow::Error>((file, hash))
+    });
+    let lies = lies.transpose()?;
     let views = [View {
         camera: camera.clone(),
         size,
@@ -345,6 +365,9 @@ fn construct(
         report,
         stats: builder.tree().stats(),
         milliseconds: milliseconds(clock.elapsed()),
+        unsaved: lies
+            .filter(|_| builder.taken() > 0)
+            .map(|(file, hash)| (file, builder.snapshot(), hash)),
     })
 }
 
@@ -452,6 +475,7 @@ fn statistics(
             "bytes": constructed.stats.bytes,
             "shader_bytes": constructed.replica.publish().bytes(),
             "samples": constructed.report.samples,
+            "taken": constructed.report.taken,
             "version": constructed.report.version,
             "estimated_error": constructed.report.estimated_error,
             "converged": constructed.report.converged,

@@ -7,14 +7,15 @@ use clap::Args;
 use indicatif::ProgressBar;
 use lie_farm::{
     client::ClientConfig,
-    launch::{Farm, LaunchConfig},
+    launch::{self, Farm, LaunchConfig},
     network::Exposure,
+    snapshot::SnapshotFile,
 };
 use lie_render::AccelKind;
 
 use super::{render::Construction, walk::WalkOptions};
 use crate::{
-    args::{Accel, Audit},
+    args::{self, Accel, Audit},
     failure::usage,
     process,
 };
@@ -53,6 +54,8 @@ pub(crate) struct Run {
     construction: Construction,
     #[command(flatten)]
     audit: Audit,
+    #[command(flatten)]
+    lies: args::Lies,
 }
 
 pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
@@ -60,11 +63,12 @@ pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
         let scene = arguments.scene.display();
         return Err(usage(format!("{scene}: there is no such scene")).into());
     }
+    let lies = arguments.lies.file()?;
     arguments.walk.prepare()?;
     let runtime = process::runtime()?;
-    let shutdown = process::shutdown(&runtime, None);
+    let shutdown = process::shutdown(&runtime, None, process::PATIENCE);
     let bar = arguments.walk.progress_bar();
-    let launch = launch_config(arguments, log, bar.clone())?;
+    let launch = launch_config(arguments, lies, log, bar.clone())?;
     let result = runtime.block_on(async {
         let farm = tokio::select! {
             started = Farm::start(launch) => started?,
@@ -83,7 +87,12 @@ pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
     arguments.walk.conclude(&result?)
 }
 
-fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result<LaunchConfig> {
+fn launch_config(
+    arguments: &Run,
+    lies: Option<SnapshotFile>,
+    log: &str,
+    bar: ProgressBar,
+) -> anyhow::Result<LaunchConfig> {
     let mut constructor: Vec<OsString> = vec!["constructor".into(), arguments.scene.clone().into()];
     constructor.extend(["--log".into(), log.into()]);
     constructor.extend(["--listen".into(), "127.0.0.1:0".into()]);
@@ -93,6 +102,9 @@ fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result
     let accel = AccelKind::from(arguments.accel).name();
     constructor.extend(["--accel".into(), accel.into()]);
     constructor.extend(arguments.construction.to_arguments());
+    if let Some(file) = &lies {
+        constructor.extend(["--lies".into(), file.path().into()]);
+    }
     if arguments.freeze {
         constructor.push("--freeze".into());
         if let Some(walk) = &arguments.walk.walk {
@@ -121,6 +133,10 @@ fn launch_config(arguments: &Run, log: &str, bar: ProgressBar) -> anyhow::Result
         constructor,
         shader,
         shaders: arguments.shaders as usize,
+        constructor_grace: match lies {
+            Some(_) => process::PATIENCE_TO_SAVE,
+            None => launch::GRACE,
+        },
         log: Arc::new(move |who, line| {
             // Nothing is left to do if standard error is closed.
             bar.suspend(|| drop(writeln!(std::io::stderr(), "{who:>11} | {line}")));

@@ -46,7 +46,7 @@ pub(crate) struct Shader {
 
 pub(crate) fn execute(arguments: &Shader) -> anyhow::Result<()> {
     let runtime = process::runtime()?;
-    let shutdown = process::shutdown(&runtime, Some(arguments.supervision));
+    let shutdown = process::shutdown(&runtime, Some(arguments.supervision), process::PATIENCE);
     let any = if arguments.network.insecure {
         "0.0.0.0:0"
     } else {

@@ -25,7 +25,7 @@ pub(crate) struct View {
 pub(crate) fn execute(arguments: &View) -> anyhow::Result<()> {
     arguments.walk.prepare()?;
     let runtime = process::runtime()?;
-    let shutdown = process::shutdown(&runtime, None);
+    let shutdown = process::shutdown(&runtime, None, process::PATIENCE);
     let bar = arguments.walk.progress_bar();
     let config = ClientConfig::new(&arguments.constructor, arguments.network.exposure());
     // Who they are is not for us to say: all are waited for.

@@ -1,14 +1,13 @@
 //! Scenes on the local disk, by the hash of their bytes.
 
 use std::{
-    fs::{self, File, OpenOptions},
-    io::{self, Write},
+    fs, io,
     path::{Path, PathBuf},
 };
 
 use lie_protocol::SceneHash;
 
-use crate::scene_blob::hash_of;
+use crate::{file, scene_blob::hash_of};
 
 /// A directory of scenes, one file each, named by the hash in hexadecimal.
 ///
@@ -75,27 +74,8 @@ impl SceneCache {
     /// # Errors
     /// What the disk says; the caller can go on without the entry.
     pub fn store(&self, hash: SceneHash, bytes: &[u8]) -> io::Result<()> {
-        let temporary = self
-            .directory
-            .join(format!(".{hash}.{}.part", std::process::id()));
-        let written = write_private_file(&temporary, bytes)
-            .and_then(|()| fs::rename(&temporary, self.path(hash)));
-        if written.is_err() {
-            // Nothing more can be done about the part; what matters is the first error.
-            let _ = fs::remove_file(&temporary);
-        }
-        written
+        file::replace(&self.path(hash), bytes)
     }
-}
-
-fn write_private_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut options = OpenOptions::new();
-    options.write(true).create(true).truncate(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    let mut file: File = options.open(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
 }
 
 fn make_private_directory(path: &Path) -> io::Result<()> {

@@ -22,8 +22,8 @@ use tokio::{
 };
 use tokio_util::sync::CancellationToken;
 
-/// How long a child may take to end by itself.
-const GRACE: Duration = Duration::from_millis(900);
+/// How long a child may take to end by itself, if it has nothing to save.
+pub const GRACE: Duration = Duration::from_millis(900);
 
 /// What a child prints before the address at which it listens.
 pub const ANNOUNCEMENT: &str = "listening ";
@@ -42,6 +42,8 @@ pub struct LaunchConfig {
     pub shader: Vec<OsString>,
     /// How many shaders.
     pub shaders: usize,
+    /// How long the constructor may take to end by itself.
+    pub constructor_grace: Duration,
     /// Where the children's logs go.
     pub log: LogLine,
 }
@@ -84,8 +86,9 @@ pub struct Farm {
 }
 
 /// Children that end together.
-#[derive(Default)]
 struct Children {
+    /// How long each may take to end by itself.
+    grace: Duration,
     stop: CancellationToken,
     watches: JoinSet<()>,
     /// How many have come so far and not ended by themselves.
@@ -101,8 +104,8 @@ impl Farm {
     pub async fn start(config: LaunchConfig) -> Result<Self, LaunchError> {
         let mut farm = Self {
             address: String::new(),
-            constructor: Children::default(),
-            shaders: Children::default(),
+            constructor: Children::new(config.constructor_grace),
+            shaders: Children::new(GRACE),
         };
         match farm.start_all(&config).await {
             Ok(()) => Ok(farm),
@@ -148,6 +151,15 @@ impl Farm {
 }
 
 impl Children {
+    fn new(grace: Duration) -> Self {
+        Self {
+            grace,
+            stop: CancellationToken::new(),
+            watches: JoinSet::new(),
+            living: watch::Sender::default(),
+        }
+    }
+
     /// Asks all to end, and waits until they have.
     async fn end(mut self) {
         self.stop.cancel();
@@ -186,9 +198,9 @@ impl Children {
         let address = line.strip_prefix(ANNOUNCEMENT).map(str::to_owned);
         self.living.send_modify(|living| *living += 1);
         let (stop, living) = (self.stop.clone(), self.living.clone());
-        let who_is_it = who.to_owned();
+        let (who_is_it, grace) = (who.to_owned(), self.grace);
         self.watches.spawn(async move {
-            see_to_its_end(who_is_it, child, stop).await;
+            see_to_its_end(who_is_it, child, stop, grace).await;
             living.send_modify(|living| *living -= 1);
         });
         address.ok_or_else(|| LaunchError::Announcement {
@@ -224,7 +236,7 @@ async fn pass_on<R: AsyncRead + Unpin>(who: String, mut lines: Lines<BufReader<R
 }
 
 /// Waits for a child's end: its own, which is worth a word, or the one that we ask for.
-async fn see_to_its_end(who: String, mut child: Child, stop: CancellationToken) {
+async fn see_to_its_end(who: String, mut child: Child, stop: CancellationToken, grace: Duration) {
     // Waiting for a child would close the input that it still has.
     let input = child.stdin.take();
     let status = tokio::select! {
@@ -232,7 +244,7 @@ async fn see_to_its_end(who: String, mut child: Child, stop: CancellationToken) 
         () = stop.cancelled() => {
             // The closed input is the request.
             drop(input);
-            if timeout(GRACE, child.wait()).await.is_err()
+            if timeout(grace, child.wait()).await.is_err()
                 && let Err(error) = child.kill().await
             {
                 tracing::warn!("the {who} cannot be ended: {error}");

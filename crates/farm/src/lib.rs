@@ -4,7 +4,7 @@
 //!   tiles; [`client::Client`] puts frames together; [`launch::Farm`] starts them all on
 //!   this machine, and [`walk::walk`] takes a walk through a scene.
 //! * [`scheduler::Scheduler`] decides who renders which tile, and [`scene_blob`] and
-//!   [`cache`] bring the scene to the shaders.
+//!   [`cache`] bring the scene to the shaders; [`snapshot`] keeps LIEs over restarts.
 //! * [`connection`], [`handshake`], [`network`] and [`outbox`] are what every connection
 //!   has: nothing above them knows that it is TCP.
 //! * [`Builder`] constructs LIEs, [`LieReplica`] is a shader's copy of them.
@@ -29,6 +29,7 @@ pub mod connection;
 mod construct;
 pub mod constructor;
 pub mod convert;
+mod file;
 pub mod handshake;
 pub mod launch;
 pub mod network;
@@ -39,7 +40,8 @@ pub mod scene_blob;
 pub mod scheduler;
 mod serve;
 pub mod shader;
+pub mod snapshot;
 pub mod walk;
 
-pub use construct::{BatchReport, Builder, ConstructSettings, View};
+pub use construct::{BatchReport, Builder, ConstructSettings, PastView, Snapshot, View};
 pub use replica::{LieReplica, PublishedLies, ReplicaError};

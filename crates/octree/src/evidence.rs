@@ -13,7 +13,7 @@ pub struct LightEvidence {
     /// Rays that agreed with what was known, since one last added to it.
     pub agreed: u16,
     /// Largest [`Outcome::importance`] so far, in parts of 255, rounded up.
-    importance: u8,
+    pub(crate) importance: u8,
     /// Whether it reached the cell that this one was split from. That counts until there
     /// are rays enough from this one.
     pub inherited: bool,
@@ -46,6 +46,16 @@ pub struct Occluder(u32);
 
 impl Occluder {
     const CONFIRMED: u32 = 1 << 31;
+
+    /// A triangle below 2³¹.
+    pub(crate) fn new(triangle: u32, is_confirmed: bool) -> Self {
+        let inherited = Self(triangle).inherited();
+        if is_confirmed {
+            Self(inherited.0 | Self::CONFIRMED)
+        } else {
+            inherited
+        }
+    }
 
     fn confirmed(triangle: u32) -> Self {
         Self(triangle | Self::CONFIRMED)

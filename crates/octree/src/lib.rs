@@ -8,7 +8,7 @@
 //! * [`CellState`] is what one cell looks like from outside: the unit of deltas and
 //!   snapshots. [`Replica`] is a shader's copy of the tree, fed with them.
 //! * [`Octree`] is the tree itself: persistent, so that a clone is a snapshot and costs
-//!   nothing.
+//!   nothing. [`LieTree::to_bytes`] is one that outlasts the process.
 //!
 //! No input or output, no threads, no clock. Lights and triangles are mere numbers here.
 //!
@@ -38,6 +38,7 @@ mod observe;
 mod observer;
 mod proof;
 mod replica;
+mod snapshot;
 mod tree;
 
 pub use evidence::{LightEvidence, Mask, Occluder};
@@ -48,4 +49,5 @@ pub use observe::{Between, GROUP, Observation, Outcome, ShadowRay, Visibility};
 pub use observer::Observer;
 pub use proof::{Proof, Region};
 pub use replica::{CellBody, CellState, LieState, LitLight, Replica};
+pub use snapshot::{TREE_FORMAT, TreeError, TreeFit};
 pub use tree::{Cell, Cube, Octree};

@@ -11,13 +11,13 @@ use crate::{
 /// ray to its light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lie {
-    samples: u32,
+    pub(crate) samples: u32,
     /// Samples that lights without evidence carried nothing to, those included that speak
     /// for the whole that this is a part of.
-    dark: u32,
-    lights: Vec<LightEvidence>,
+    pub(crate) dark: u32,
+    pub(crate) lights: Vec<LightEvidence>,
     /// Where it was seen, and what is certain there.
-    region: Region,
+    pub(crate) region: Region,
     /// What its own samples show of all lights together.
     pub(crate) shown: Shown,
     /// Tree version at which what shaders see of it last changed.

@@ -68,15 +68,15 @@ pub struct LieStats {
 /// The constructor's tree: an octree of [`Lie`]s that grows by observations.
 ///
 /// A clone is a snapshot: it shares everything and never changes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LieTree {
-    tree: Octree<Lie>,
-    settings: LieSettings,
+    pub(crate) tree: Octree<Lie>,
+    pub(crate) settings: LieSettings,
     /// Lights of the scene.
-    lights: u32,
-    version: u64,
-    changed: BTreeSet<CellKey>,
-    samples: u64,
+    pub(crate) lights: u32,
+    pub(crate) version: u64,
+    pub(crate) changed: BTreeSet<CellKey>,
+    pub(crate) samples: u64,
 }
 
 impl LieTree {

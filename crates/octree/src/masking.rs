@@ -10,7 +10,7 @@ const ENOUGH: u16 = 32;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Shown {
     /// Luminance of the darkest sample, all lights together; `None` before the first.
-    least: Option<f32>,
+    pub(crate) least: Option<f32>,
 }
 
 impl Shown {

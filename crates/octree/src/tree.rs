@@ -64,14 +64,15 @@ impl Cube {
 ///
 /// A clone shares all nodes and costs nothing; a change copies only the path to the cell
 /// that changes. So a reader with a clone has a picture that never moves.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Octree<T> {
     cube: Cube,
     root: Arc<Node<T>>,
 }
 
-#[derive(Clone, Debug)]
-enum Node<T> {
+/// What is at a place of the tree.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Node<T> {
     Leaf(T),
     Inner([Arc<Node<T>>; 8]),
 }
@@ -92,6 +93,16 @@ impl<T: Clone> Octree<T> {
             cube,
             root: Arc::new(Node::Leaf(value)),
         }
+    }
+
+    /// A tree of nodes; none may be deeper than [`CellKey::MAX_DEPTH`].
+    pub(crate) fn from_root(cube: Cube, root: Arc<Node<T>>) -> Self {
+        Self { cube, root }
+    }
+
+    /// The node over the whole cube.
+    pub(crate) fn root(&self) -> &Node<T> {
+        &self.root
     }
 
     /// The cube that it divides.

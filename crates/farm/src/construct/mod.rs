@@ -1,24 +1,32 @@
 mod mend;
 mod neighbours;
+mod past;
 mod point;
 mod prove;
 mod sample;
 mod shafts;
 mod view;
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    sync::Arc,
+};
 
 use lie_octree::{CellKey, LieSettings, LieTree, Observation, Proof, Region};
 use lie_render::{Mismatch, World};
 use rayon::prelude::*;
 
-pub use self::view::View;
 use self::{
     neighbours::Neighbours,
     point::Point,
     prove::Prover,
     shafts::Shafts,
     view::{Square, ViewProgress},
+};
+pub(crate) use self::{past::MOST_VIEWS, view::Finding};
+pub use self::{
+    past::{PastView, Snapshot},
+    view::View,
 };
 
 /// How LIEs are constructed.
@@ -71,6 +79,10 @@ pub struct Builder {
     tree: LieTree,
     pool: rayon::ThreadPool,
     views: Vec<ViewProgress>,
+    /// Views that were looked at before, the latest last.
+    past: VecDeque<PastView>,
+    /// Samples that others had taken before it.
+    epoch: u64,
     /// Pixels sampled so far, those that show no surface included.
     taken: u64,
 }
@@ -84,7 +96,7 @@ pub struct BatchReport {
     pub version: u64,
     /// Samples recorded so far.
     pub samples: u64,
-    /// Pixels sampled so far, those that show no surface included.
+    /// Pixels that this builder has sampled so far, those that show no surface included.
     pub taken: u64,
     /// Relative RMSE of the picture over the last pass through the pixels' centres, as far as
     /// samples answer for it: what is certain is counted neither in the error nor in the mean.
@@ -128,8 +140,22 @@ impl Builder {
             tree,
             pool,
             views: vec![],
+            past: VecDeque::new(),
+            epoch: 0,
             taken: 0,
         })
+    }
+
+    /// What it constructs LIEs for.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Pixels that it has sampled so far, those that show no surface included.
+    #[must_use]
+    pub fn taken(&self) -> u64 {
+        self.taken
     }
 
     /// The tree; a clone is a snapshot and costs nothing.
@@ -260,8 +286,15 @@ impl Builder {
         mend::mend(&self.world, &mut self.tree, found)
     }
 
-    /// Samples the views until they have converged, or until `max_samples` are recorded in
-    /// all. `progress` is called after every batch.
+    /// What is known of these views without another sample. Those that converged before have
+    /// converged still.
+    pub fn look(&mut self, views: &[View]) -> BatchReport {
+        self.look_at(views);
+        self.report()
+    }
+
+    /// Samples the views until they have converged, if they have not yet, or until `max_samples`
+    /// are recorded in all. `progress` is called after every batch.
     pub fn converge(
         &mut self,
         views: &[View],
@@ -269,13 +302,15 @@ impl Builder {
         mut progress: impl FnMut(&BatchReport),
     ) -> BatchReport {
         let before = self.taken;
-        loop {
-            let report = self.batch(views);
+        let mut report = self.look(views);
+        while !report.converged {
+            report = self.batch(views);
             progress(&report);
-            if report.converged || self.taken - before >= max_samples {
-                return report;
+            if self.taken - before >= max_samples {
+                break;
             }
         }
+        report
     }
 
     /// Samples `samples` pixels of the views, rounded up to whole batches. `progress` is
@@ -287,7 +322,7 @@ impl Builder {
         mut progress: impl FnMut(&BatchReport),
     ) -> BatchReport {
         let before = self.taken;
-        let mut report = self.batch(&[]);
+        let mut report = self.look(views);
         while self.taken - before < samples && !views.is_empty() {
             report = self.batch(views);
             progress(&report);
@@ -295,17 +330,18 @@ impl Builder {
         report
     }
 
-    /// Keeps the progress of views that stay, drops the others.
+    /// Keeps the progress of views that stay, and of the others only if they have converged.
     fn look_at(&mut self, views: &[View]) {
         let mut before = std::mem::take(&mut self.views);
         for view in views {
             let known = before.iter().position(|progress| progress.view == *view);
             let progress = match known {
                 Some(index) => before.swap_remove(index),
-                None => ViewProgress::new(view.clone(), self.settings.seed),
+                None => self.recall(view),
             };
             self.views.push(progress);
         }
+        self.keep(before);
     }
 
     fn report(&mut self) -> BatchReport {

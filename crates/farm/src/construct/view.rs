@@ -3,7 +3,7 @@ use lie_geom::{RandomKey, Ray};
 use lie_octree::{LieSettings, Observation};
 use lie_scene::Camera;
 
-use super::ConstructSettings;
+use super::{ConstructSettings, past::PastView};
 
 /// What somebody looks at: samples are taken where it shows the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +17,7 @@ pub struct View {
 /// How far one view has come.
 pub(super) struct ViewProgress {
     pub(super) view: View,
+    epoch: u64,
     key: RandomKey,
     /// The picture's squares, neighbours close to each other.
     squares: Vec<UVec2>,
@@ -30,11 +31,11 @@ pub(super) struct ViewProgress {
 
 /// What a whole pass showed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Finding {
+pub(crate) struct Finding {
     /// Relative RMSE of the picture.
-    error: f32,
+    pub(crate) error: f32,
     /// Share of the light evaluations that are in doubt, and traced for that.
-    doubtful: f32,
+    pub(crate) doubtful: f32,
 }
 
 /// Share of a view's light evaluations that may be in doubt when it counts as converged; and
@@ -89,18 +90,46 @@ struct Pass {
 }
 
 impl ViewProgress {
-    pub(super) fn new(view: View, seed: u64) -> Self {
+    /// A view that nobody has looked at yet. Of views that are sampled twice, each in its own
+    /// epoch, the samples are different ones.
+    pub(super) fn new(view: View, seed: u64, epoch: u64) -> Self {
         let counts = view.size.map(|side| side.div_ceil(Square::SIDE));
         let mut squares: Vec<UVec2> = grid(counts).collect();
         squares.sort_by_key(|square| interleaved(square.x) | interleaved(square.y) << 1);
+        let key = RandomKey::new(seed).mix(CONSTRUCTION);
         Self {
             view,
-            key: RandomKey::new(seed).mix(CONSTRUCTION),
+            epoch,
+            key: if epoch == 0 { key } else { key.mix(epoch) },
             squares,
             taken: 0,
             pass: Pass::default(),
             typical: 0.0,
             last: [None; 2],
+        }
+    }
+
+    /// A view that is looked at again. Its last pass counts as done, with nothing found.
+    pub(super) fn resume(view: View, past: &PastView, seed: u64) -> Self {
+        let progress = Self::new(view, seed, past.epoch);
+        Self {
+            taken: u64::from(past.passes) * progress.squares.len() as u64,
+            last: past.last,
+            typical: past.typical,
+            ..progress
+        }
+    }
+
+    /// What is to be kept of it, as the tree is at this version.
+    pub(super) fn past(&self, version: u64) -> PastView {
+        let begun = self.taken.div_ceil(self.squares.len() as u64);
+        PastView {
+            view: self.view.clone(),
+            epoch: self.epoch,
+            passes: u32::try_from(begun).unwrap_or(u32::MAX),
+            last: self.last,
+            typical: self.typical,
+            version,
         }
     }
 

@@ -8,8 +8,9 @@ use std::{
 
 use lie_octree::LieTree;
 use lie_protocol::LieStatus;
+use lie_render::Mismatch;
 
-use super::{Freeze, Shared};
+use super::{Freeze, Shared, saver::Saver};
 use crate::{BatchReport, Builder};
 
 /// How often the tree is measured; that takes time in proportion to its cells.
@@ -31,11 +32,24 @@ pub(super) struct Progress {
 pub(super) struct Construction(JoinHandle<()>);
 
 impl Construction {
-    /// Starts the thread; it ends when the views are closed.
-    pub(super) fn start(builder: Builder, shared: Arc<Shared>) -> io::Result<Self> {
+    /// Starts the thread; it ends when the views are closed, and what it learnt is saved.
+    pub(super) fn start(
+        mut builder: Builder,
+        shared: Arc<Shared>,
+        saver: Option<Saver>,
+    ) -> io::Result<Self> {
+        let learn = move || {
+            construct(&mut builder, &shared, saver.as_ref());
+            if let Some(saver) = saver {
+                if builder.taken() > 0 {
+                    saver.offer(builder.snapshot());
+                }
+                saver.finish();
+            }
+        };
         thread::Builder::new()
             .name("construction".to_owned())
-            .spawn(move || construct(builder, &shared))
+            .spawn(learn)
             .map(Self)
     }
 
@@ -46,19 +60,20 @@ impl Construction {
 }
 
 /// Learns what the clients look at, until they all look at what is known.
-fn construct(mut builder: Builder, shared: &Shared) {
+fn construct(builder: &mut Builder, shared: &Shared, saver: Option<&Saver>) {
     let mut known = None;
     let mut measured = None;
     while let Some(now) = shared.views.wait(known) {
-        let wrong = shared.audits.take();
-        let mended = builder.mend(&wrong);
-        if !wrong.is_empty() {
-            tracing::debug!(
-                "audits found {} wrong answers; {mended} mended",
-                wrong.len()
-            );
+        let taken = builder.taken();
+        let mended = mend(builder, &shared.audits.take());
+        let mut report = builder.look(&now.views);
+        if !report.converged || mended > 0 {
+            let before = report.changed;
+            report = builder.batch(&now.views);
+            report.changed.extend(before);
+            report.changed.sort_unstable();
+            report.changed.dedup();
         }
-        let report = builder.batch(&now.views);
         if !report.changed.is_empty() {
             shared.feed.publish(builder.tree().clone(), &report.changed);
         }
@@ -75,7 +90,22 @@ fn construct(mut builder: Builder, shared: &Shared) {
         if measure {
             measured = Some(Instant::now());
         }
+        if let Some(saver) = saver.filter(|_| measure && builder.taken() > taken) {
+            saver.offer(builder.snapshot());
+        }
     }
+}
+
+/// Learns from what audits found. Gives how many answers were wrong.
+fn mend(builder: &mut Builder, wrong: &[Mismatch]) -> u64 {
+    let mended = builder.mend(wrong);
+    if !wrong.is_empty() {
+        tracing::debug!(
+            "audits found {} wrong answers; {mended} mended",
+            wrong.len()
+        );
+    }
+    mended
 }
 
 /// Learns all at once.

@@ -10,6 +10,7 @@ mod construction;
 mod delta;
 mod lie_feed;
 mod registry;
+mod saver;
 mod shader_session;
 mod views;
 
@@ -32,11 +33,13 @@ use crate::{
     network::Exposure,
     scene_blob::{self, BlobError, SceneBlob},
     serve::serve,
+    snapshot::{SnapshotError, SnapshotFile},
 };
 use audits::Audits;
 use construction::{Construction, Progress};
 use lie_feed::LieFeed;
 use registry::Registry;
+use saver::Saver;
 use views::Views;
 
 /// Most shaders at once.
@@ -57,6 +60,8 @@ pub struct ConstructorConfig {
     pub construct: ConstructSettings,
     /// If set, all it ever learns is learnt before anybody connects.
     pub freeze: Option<Freeze>,
+    /// Where LIEs are kept over restarts.
+    pub lies: Option<SnapshotFile>,
 }
 
 /// Learning that ends before the first connection: the same LIEs at every start.
@@ -76,6 +81,9 @@ pub enum ConstructorError {
     /// The scene cannot be sent to shaders.
     #[error(transparent)]
     Blob(#[from] BlobError),
+    /// LIEs cannot be kept in this file.
+    #[error(transparent)]
+    Snapshot(#[from] SnapshotError),
     /// The threads cannot be started.
     #[error("cannot start the construction threads: {0}")]
     Threads(String),
@@ -91,8 +99,8 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Packs the scene, builds its acceleration structure and, if asked to freeze, learns
-    /// all there will be to learn. Takes its time: not for an async task.
+    /// Packs the scene, builds its acceleration structure, takes over what was saved and, if
+    /// asked to freeze, learns all there will be to learn. Takes its time: not for an async task.
     ///
     /// # Errors
     /// [`ConstructorError`].
@@ -102,10 +110,18 @@ impl Prepared {
         let world = Arc::new(World::with_accel(Arc::new(scene), config.accel));
         let mut builder = Builder::new(world, config.construct)
             .map_err(|error| ConstructorError::Threads(error.to_string()))?;
+        if let Some(file) = &config.lies {
+            file.restore(&mut builder, blob.hash())?;
+        }
         let frozen = config
             .freeze
             .as_ref()
             .map(|freeze| construction::freeze(&mut builder, freeze));
+        if let Some(file) = config.lies.as_ref().filter(|_| builder.taken() > 0)
+            && let Err(error) = file.save(&builder.snapshot(), blob.hash())
+        {
+            tracing::warn!("{error}");
+        }
         Ok(Self {
             blob,
             summary,
@@ -161,10 +177,14 @@ pub async fn run(
     });
     let construction = match prepared.frozen {
         Some(_) => None,
-        None => Some(
-            Construction::start(prepared.builder, shared.clone())
-                .map_err(|error| ConstructorError::Threads(error.to_string()))?,
-        ),
+        None => {
+            let scene = shared.blob.hash();
+            let saver = config.lies.map(|file| Saver::start(file, scene));
+            let started = saver
+                .transpose()
+                .and_then(|saver| Construction::start(prepared.builder, shared.clone(), saver));
+            Some(started.map_err(|error| ConstructorError::Threads(error.to_string()))?)
+        }
     };
     let limit = MAX_SHADERS + MAX_CLIENTS + MAX_STRANGERS;
     let sessions = shared.clone();
@@ -178,7 +198,7 @@ pub async fn run(
     .await;
     shared.views.close();
     if let Some(construction) = construction {
-        // At most one batch away.
+        // At most one batch away, and what is to be saved.
         let joined = tokio::task::spawn_blocking(move || construction.join()).await;
         if !matches!(joined, Ok(true)) {
             tracing::error!("construction ended in a panic");
