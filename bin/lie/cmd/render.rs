@@ -89,11 +89,11 @@ pub(crate) struct Render {
     seed: u64,
     #[command(flatten)]
     construction: Construction,
-    #[command(flatten)]
-    lies: args::Lies,
     /// Write times and counts to this file as JSON.
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
+    #[command(flatten)]
+    lies: args::Lies,
 }
 
 /// How local illumination environments are constructed.
