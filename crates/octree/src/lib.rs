@@ -36,6 +36,7 @@ mod lie_tree;
 mod masking;
 mod observe;
 mod observer;
+mod odds;
 mod proof;
 mod replica;
 mod tree;
