@@ -45,7 +45,8 @@ pub(crate) struct Render {
     out: PathBuf,
     /// Write the picture and its AOVs to this .exr as well, one layer for each: albedo,
     /// normal, cost (nanoseconds by a model, not by a clock), the work that it counts, and
-    /// with LIEs each pixel's cell and its lights by class. Not part of the frame's time.
+    /// with LIEs each pixel's cell, its lights by class and the error to be expected. Not part
+    /// of the frame's time.
     #[arg(long, value_name = "FILE.exr")]
     aovs: Option<PathBuf>,
     /// Bits per channel of an EXR. `half` are the pixels that a farm sends by default.
@@ -194,21 +195,17 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
     let frame =
         pool.install(|| render(arguments, &world, &camera, &settings, construction.as_ref()));
     write_picture(arguments, &scene, &frame.film)?;
-    if let Some(path) = &arguments.aovs {
-        let constructed = construction.as_ref();
-        let write = || {
-            aovs::write(
-                path,
-                arguments,
-                &world,
-                &camera,
-                &settings,
-                constructed,
-                &frame,
-            )
-        };
-        pool.install(write)?;
+    let constructed = construction.as_ref();
+    // What is expected of a frame with LIEs takes the same pass.
+    let is_asked = arguments.aovs.is_some() || (arguments.stats.is_some() && constructed.is_some());
+    let find = || aovs::find(&world, &camera, &settings, constructed);
+    let aovs = is_asked.then(|| pool.install(find));
+    if let (Some(path), Some(aovs)) = (&arguments.aovs, &aovs) {
+        lie_render::write_aovs(path, &frame.film, arguments.precision.into(), aovs)?;
     }
+    let expected_error = aovs
+        .filter(|_| constructed.is_some())
+        .map(|aovs| aovs::expected_error(&aovs, &frame.film));
 
     if let Some(path) = &arguments.stats {
         let stats = statistics(
@@ -217,7 +214,7 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
             threads,
             build_ms,
             &frame,
-            construction.as_ref(),
+            constructed.zip(expected_error),
         );
         write_json(path, &stats)?;
     }
@@ -229,7 +226,10 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
         size.y,
         frame.median_ms,
         arguments.integrator.name(),
-    ))
+    ))?;
+    expected_error.map_or(Ok(()), |error| {
+        say(format_args!("expected error {:.4} %", 100.0 * error))
+    })
 }
 
 fn check_folder(path: &Path) -> anyhow::Result<()> {
@@ -390,7 +390,7 @@ fn statistics(
     threads: usize,
     build_ms: f64,
     frame: &Frame,
-    constructed: Option<&Constructed>,
+    constructed: Option<(&Constructed, f64)>,
 ) -> serde_json::Value {
     let stats = &frame.stats;
     // Stage times are summed over threads; as parts of the frame they are shared out.
@@ -413,13 +413,14 @@ fn statistics(
         "partial_ms": stage_ms(stats.partial_ns),
         "full_ms": stage_ms(stats.full_ns),
         "build_ms": build_ms,
-        "construct_ms": constructed.map_or(0.0, |constructed| constructed.milliseconds),
+        "construct_ms": constructed.map_or(0.0, |(constructed, _)| constructed.milliseconds),
         "primary_rays": stats.primary_rays,
         "shadow_rays": stats.shadow_rays,
         "list_rays": stats.list_rays,
         "occluder_tests": stats.occluder_tests,
         "trusted_fraction": stats.trusted_fraction(),
-        "lie": constructed.map(|constructed| serde_json::json!({
+        "lie": constructed.map(|(constructed, expected_error)| serde_json::json!({
+            "expected_error": expected_error,
             "cells": constructed.stats.cells,
             "entries": constructed.stats.entries,
             "masked": constructed.stats.masked,

@@ -47,6 +47,7 @@ pub use lie::{Lie, Standing};
 pub use lie_tree::{LieSettings, LieStats, LieTree};
 pub use observe::{Between, GROUP, Observation, Outcome, ShadowRay, Visibility};
 pub use observer::Observer;
+pub use odds::Odds;
 pub use proof::{Proof, Region};
 pub use replica::{CellBody, CellState, LieState, LitLight, Replica};
 pub use tree::{Cell, Cube, Octree};

@@ -44,6 +44,15 @@ impl<'a> CellAnswers<'a> {
         Self { world, cell, lists }
     }
 
+    /// Turns to another cell; nothing is done if it is the same one.
+    pub(crate) fn turn_to(&mut self, cell: &'a LieCell) {
+        if !std::ptr::eq(self.cell, cell) {
+            let shapes = self.world.scene().geometry.shapes();
+            self.lists.open(&cell.partial, shapes);
+            self.cell = cell;
+        }
+    }
+
     fn list(&self, light: u32) -> Option<&LightList> {
         let lists = &self.lists.lights;
         let place = lists.binary_search_by_key(&light, |list| list.light);

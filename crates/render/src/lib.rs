@@ -55,11 +55,11 @@ mod tone_map;
 mod ward;
 mod world;
 
-pub use aov::{AovLies, AovPixel, Aovs, CellAov, CellFacts, CostModel, Work, write_aovs};
+pub use aov::{AovLies, AovPixel, Aovs, CellAov, CellFacts, CostModel, OddsOf, Work, write_aovs};
 pub use brdf::Brdf;
 pub use cell::{LieCell, LieLookup};
 pub use cell_answers::LightAnswer;
-pub use expected_error::ExpectedError;
+pub use expected_error::{AtStake, ExpectedError, RayOdds};
 pub use film::{Film, Precision};
 pub use frame::render_frame;
 pub use image_file::{ImageError, read_image, write_exr, write_png};

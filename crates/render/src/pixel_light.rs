@@ -5,7 +5,7 @@ use lie_scene::{Camera, Surface};
 use crate::{
     Brdf, FrameSettings, LieLookup, LightAnswer, LightPoints, LightRay, World,
     cell_answers::{CellAnswers, RayAnswer},
-    expected_error::at_stake,
+    expected_error::{AtStake, at_stake},
 };
 
 /// The light of one camera ray, light by light: as LIEs have it, and as it is.
@@ -35,9 +35,8 @@ pub struct LightShare {
     pub exact: Vec3,
     /// What is shaded with LIEs.
     pub shaded: Vec3,
-    /// Luminance that is too much in `shaded` if the LIE is wrong about every ray that it
-    /// answers; below 0, too little.
-    pub at_stake: f32,
+    /// What depends on the rays that the LIE answers.
+    pub at_stake: AtStake,
     /// Shadow rays through the scene that the standard ray tracer casts.
     pub standard_rays: u32,
     /// Those of them that are cast with LIEs.

@@ -5,9 +5,10 @@ mod report;
 
 use glam::{UVec2, Vec3};
 use lie_geom::Aabb;
-use lie_octree::{Lie, LieTree, LightEvidence, Mask, Proof, Standing};
+use lie_octree::{Lie, LieTree, LightEvidence, Mask, Odds, Proof, Standing};
 use lie_render::{
-    ExpectedError, FrameSettings, LieLookup, LightAnswer, LightShare, PixelLight, World, luminance,
+    ExpectedError, FrameSettings, LieLookup, LightAnswer, LightShare, PixelLight, RayOdds, World,
+    luminance,
 };
 use lie_scene::{Camera, Surface};
 
@@ -203,7 +204,7 @@ impl Inspector<'_> {
 
     /// Adds what may be wrong of a light.
     fn expect(&self, share: &LightShare, error: &mut ExpectedError) {
-        error.add(self.lie.odds(share.light, self.trust), share.at_stake);
+        error.add(odds(self.lie, share.light, self.trust), share.at_stake);
     }
 
     fn totals(&self, lights: &[LightShare]) -> TotalsReport {
@@ -227,6 +228,14 @@ impl Inspector<'_> {
             occluder_tests: count(|share| share.occluder_tests),
         }
     }
+}
+
+/// How likely it is that rays from a cell to a light are answered wrongly; `trust` is that of the
+/// cell's tree.
+#[must_use]
+pub fn odds(lie: &Lie, light: u32, trust: u32) -> RayOdds {
+    let Odds { one, two } = lie.odds(light, trust);
+    RayOdds { one, two }
 }
 
 fn counts(entry: &LightEvidence) -> EvidenceReport {

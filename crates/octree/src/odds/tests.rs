@@ -32,7 +32,7 @@ fn settings() -> LieSettings {
 }
 
 fn check(lie: &Lie, light: u32, trust: u32, expected: f32) {
-    let found = lie.odds(light, trust);
+    let found = lie.odds(light, trust).one;
     assert!(
         (found - expected).abs() < 1.0e-7,
         "light {light}: {found} is not {expected}"
@@ -52,6 +52,15 @@ fn what_n_rays_agree_on_is_wrong_with_1_in_n_plus_2() {
     check(&lie, 0, 0, 1.0 / 2.0);
     record(&mut lie, 0, None, 20, &settings());
     check(&lie, 0, TRUST, 1.0 / 22.0);
+}
+
+#[test]
+fn two_rays_are_wrong_more_often_than_if_the_first_told_nothing() {
+    let mut lie = Lie::default();
+    record(&mut lie, 0, None, 30, &settings());
+    let odds = lie.odds(0, TRUST);
+    assert!((odds.two - 2.0 / (32.0 * 33.0)).abs() < 1.0e-7, "{odds:?}");
+    assert!(odds.two > odds.one * odds.one && odds.two < odds.one);
 }
 
 #[test]

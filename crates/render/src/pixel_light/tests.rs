@@ -98,10 +98,8 @@ fn lights_add_up_to_the_renderers_pixel_and_rays_to_its_counts() {
                 "light {} gives more than it has",
                 share.light
             );
-            assert_eq!(
-                share.answer == LightAnswer::Traced && share.at_stake != 0.0,
-                false
-            );
+            let is_traced = share.answer == LightAnswer::Traced;
+            assert!(!is_traced || share.at_stake == AtStake::default());
             wrong += share.missed.len();
         }
     }
