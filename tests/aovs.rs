@@ -15,7 +15,7 @@ const SIZE: (usize, usize) = (48, 32);
 const ALWAYS: &str = "B G R albedo.B albedo.G albedo.R cost.Y normal.X normal.Y normal.Z \
                       work.evaluations work.list work.primary work.shadow work.tests";
 
-const OF_CELLS: &str = "cell.depth cell.samples lights.hidden lights.masked lights.partial \
+const OF_CELLS: &str = "cell.depth cell.samples expected_error.Y lights.hidden lights.masked lights.partial \
                         lights.traced lights.unoccluded";
 
 /// The gallery, coarse; in a folder of its own.
@@ -99,6 +99,23 @@ fn layers_are_named_as_viewers_know_them_and_hold_what_they_say() {
         assert_eq!(sum(&found[channel]), counted, "{channel}");
     }
 
+    // The frame's figure is that of its pixels, by the picture's mean.
+    let squares: Vec<f32> = found["expected_error.Y"]
+        .iter()
+        .map(|error| error * error)
+        .collect();
+    let luminances = picture.radiance().iter();
+    let luminances: Vec<f32> = luminances
+        .map(|&value| lie_render::luminance(value))
+        .collect();
+    let pixels = squares.len() as f64;
+    let expected = (sum(&squares) / pixels).sqrt() / (sum(&luminances) / pixels);
+    let stated = stats["lie"]["expected_error"].as_f64().unwrap();
+    assert!(
+        (stated / expected - 1.0).abs() < 1.0e-4,
+        "{stated} is not {expected}"
+    );
+
     let lights = names(OF_CELLS).into_iter();
     let lights: Vec<&str> = lights.filter(|name| name.starts_with("lights.")).collect();
     let all = lie_scene::load(&scene).unwrap().scene.lights.len() as f32;
@@ -119,6 +136,28 @@ fn layers_are_named_as_viewers_know_them_and_hold_what_they_say() {
     for name in OF_CELLS.split(' ').filter(|&name| name != "lights.masked") {
         assert!(sum(&found[name]) > 0.0, "{name} is nothing anywhere");
     }
+}
+
+#[test]
+fn where_nothing_is_relied_on_by_samples_no_error_is_to_be_expected() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let scene = gallery(folder.path());
+    let mut command = render(
+        &scene,
+        &path("out.exr"),
+        &path("aovs.exr"),
+        &["--samples", "20000", "--trust", "4000000000"],
+    );
+    succeeds(command.arg("--stats").arg(path("stats.json")));
+    let stats: Value = serde_json::from_slice(&fs::read(path("stats.json")).unwrap()).unwrap();
+    assert!(
+        stats["trusted_fraction"].as_f64().unwrap() > 0.1,
+        "geometry settles some"
+    );
+    let found = channels(&path("aovs.exr"));
+    assert_eq!(sum(&found["expected_error.Y"]), 0.0);
+    assert_eq!(stats["lie"]["expected_error"], 0.0);
 }
 
 #[test]

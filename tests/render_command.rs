@@ -136,6 +136,7 @@ fn statistics_hold_what_was_promised() {
         for key in ["cells", "entries", "occluders", "bytes"] {
             assert_eq!(stats["lie"][key].is_u64(), integrator == "lie", "{key}");
         }
+        assert_eq!(stats["lie"]["expected_error"].is_f64(), integrator == "lie");
     }
 }
 

@@ -28,6 +28,15 @@ pub(crate) fn size(text: &str) -> Result<UVec2, String> {
     Ok(UVec2::new(side(width)?, side(height)?))
 }
 
+/// Parses `X,Y`.
+pub(crate) fn pixel(text: &str) -> Result<UVec2, String> {
+    let sides = text.split_once(',');
+    let number = |text: &str| text.trim().parse().ok();
+    sides
+        .and_then(|(x, y)| Some(UVec2::new(number(x)?, number(y)?)))
+        .ok_or_else(|| "expected COLUMN,ROW, counted from 0,0 at the top left".to_owned())
+}
+
 /// Parses a share, such as 0.02.
 pub(crate) fn share(text: &str) -> Result<f32, String> {
     let share = text.parse().ok();
@@ -126,8 +135,8 @@ impl From<ToneCurve> for lie_render::ToneCurve {
 #[command(next_help_heading = "Snapshots")]
 pub(crate) struct Lies {
     /// Keep local illumination environments in this file: go on from what is saved there, and
-    /// save what is learnt since. `lie render` saves once its picture is written, a constructor
-    /// every minute and at its end. Views that had converged have converged at once.
+    /// save what is learnt since. `lie render` saves once its picture is written, `lie inspect` last
+    /// of all, a constructor every minute and at its end. Views that had converged have converged at once.
     /// A snapshot that is damaged, or of another format, scene or other settings of
     /// construction, is refused with a warning, constructed anew and replaced. A file that is
     /// no snapshot ends the command with code 2 and is left as it is.
@@ -218,6 +227,16 @@ mod tests {
             assert!(size(wrong).is_err(), "{wrong}");
         }
     }
+
+    #[test]
+    fn pixels_are_a_column_and_a_row() {
+        assert_eq!(pixel("320,180"), Ok(UVec2::new(320, 180)));
+        assert_eq!(pixel("3, 0"), Ok(UVec2::new(3, 0)));
+        for wrong in ["", "3", "3,", "-1,3", "3x3", "1,2,3", "1.5,2"] {
+            assert!(pixel(wrong).is_err(), "{wrong}");
+        }
+    }
+
     #[test]
     fn shares_are_numbers_from_0_to_1() {
         assert_eq!(share("0.02"), Ok(0.02));

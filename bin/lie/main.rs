@@ -42,6 +42,7 @@ enum Command {
     Shader(cmd::shader::Shader),
     View(cmd::view::View),
     Render(cmd::render::Render),
+    Inspect(cmd::inspect::Inspect),
     Compare(cmd::compare::Compare),
     #[command(subcommand)]
     Bench(cmd::bench::BenchCommand),
@@ -73,6 +74,7 @@ fn run_command(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Shader(shader)) => cmd::shader::execute(&shader),
         Some(Command::View(view)) => cmd::view::execute(&view),
         Some(Command::Render(render)) => cmd::render::execute(&render),
+        Some(Command::Inspect(inspect)) => cmd::inspect::execute(&inspect),
         Some(Command::Compare(compare)) => cmd::compare::execute(&compare),
         Some(Command::Bench(bench)) => cmd::bench::execute(&bench),
         Some(Command::Scene(scene)) => cmd::scene::execute(&scene),

@@ -3,9 +3,11 @@
 pub(crate) mod bench;
 pub(crate) mod compare;
 pub(crate) mod constructor;
+pub(crate) mod inspect;
 pub(crate) mod render;
 pub(crate) mod run;
 pub(crate) mod scene;
 pub(crate) mod shader;
 pub(crate) mod view;
+mod view_options;
 pub(crate) mod walk;

@@ -7,7 +7,6 @@ use std::{
 };
 
 use clap::Args;
-use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
 use lie_farm::{
     BatchReport, Builder, ConstructSettings, LieReplica, Snapshot, View,
@@ -18,8 +17,9 @@ use lie_protocol::SceneHash;
 use lie_render::{AccelKind, Film, FrameSettings, LieLookup, RenderStats, ToneMap, World};
 use lie_scene::Camera;
 
+use super::view_options::ViewOptions;
 use crate::{
-    args::{self, Accel, Integrator, Precision, ToneCurve, say, write_json},
+    args::{self, Integrator, Precision, ToneCurve, say, write_json},
     failure::{OrUsage, usage},
     process,
 };
@@ -40,33 +40,18 @@ pub(crate) struct Render {
     /// would give least together, instead of testing them; 0 tests all.
     #[arg(long, value_parser = args::share, default_value_t = 0.05, allow_negative_numbers = true, value_name = "SHARE")]
     ward_threshold: f32,
-    /// What finds hits in the scene.
-    #[arg(long, value_enum, default_value = "bvh")]
-    accel: Accel,
-    /// Named camera; the scene's first by default.
-    #[arg(long, conflicts_with = "walk", value_name = "NAME")]
-    camera: Option<String>,
-    /// Look from a walkthrough instead, at the time given by `--at`.
-    #[arg(long, value_name = "NAME")]
-    walk: Option<String>,
-    /// Seconds from the walkthrough's start.
-    #[arg(long, requires = "walk", default_value_t = 0.0, value_name = "SECONDS")]
-    at: f32,
+    #[command(flatten)]
+    view: ViewOptions,
     /// Camera rays per pixel; the scene's setting by default.
     #[arg(long, value_name = "N")]
     spp: Option<u32>,
-    /// Sample points on each area light per camera ray; the scene's setting by default.
-    #[arg(long, value_name = "N")]
-    light_samples: Option<u32>,
-    /// Size of the picture in pixels; the scene's setting by default.
-    #[arg(long, value_parser = args::size, value_name = "WxH")]
-    size: Option<UVec2>,
     /// Where to write the picture: linear radiance as .exr, or a tone-mapped .png.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Write the picture and its AOVs to this .exr as well, one layer for each: albedo,
     /// normal, cost (nanoseconds by a model, not by a clock), the work that it counts, and
-    /// with LIEs each pixel's cell and its lights by class. Not part of the frame's time.
+    /// with LIEs each pixel's cell, its lights by class and the error to be expected. Not part
+    /// of the frame's time.
     #[arg(long, value_name = "FILE.exr")]
     aovs: Option<PathBuf>,
     /// Bits per channel of an EXR. `half` are the pixels that a farm sends by default.
@@ -78,15 +63,9 @@ pub(crate) struct Render {
     /// Tone curve of a PNG.
     #[arg(long, value_enum, default_value = "aces")]
     tone: ToneCurve,
-    /// Threads; 0 is one for each core.
-    #[arg(long, default_value_t = 0, value_name = "N")]
-    threads: usize,
     /// Render the frame this often and report the median time.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
     repeat: u32,
-    /// Seed of all random numbers.
-    #[arg(long, default_value_t = 0, value_name = "N")]
-    seed: u64,
     #[command(flatten)]
     construction: Construction,
     /// Write times and counts to this file as JSON.
@@ -200,12 +179,9 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
     }
     let lies = arguments.lies.file()?;
     let scene = Arc::new(args::load_scene(&arguments.scene)?);
-    let camera = match &arguments.walk {
-        Some(name) => args::find_walkthrough(&scene, Some(name))?.camera_at(arguments.at),
-        None => args::find_camera(&scene, arguments.camera.as_deref())?.clone(),
-    };
+    let camera = arguments.view.camera(&scene)?;
     let settings = frame_settings(arguments, &scene)?;
-    let threads = process::threads(arguments.threads)?;
+    let threads = process::threads(arguments.view.threads)?;
     if scene.lights.is_empty() {
         tracing::warn!("the scene has no lights: the picture will be black but for what emits");
     }
@@ -214,31 +190,30 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
         .build()?;
 
     let clock = Instant::now();
-    let accel = arguments.accel.into();
+    let accel = arguments.view.accel.into();
     let world = pool.install(|| Arc::new(World::with_accel(scene.clone(), accel)));
     let build_ms = milliseconds(clock.elapsed());
 
     let construction = (arguments.integrator == Integrator::Lie)
-        .then(|| construct(arguments, &world, &camera, settings.size, threads, lies))
+        .then(|| {
+            let construction = &arguments.construction;
+            construct(construction, &world, &camera, &settings, threads, lies)
+        })
         .transpose()?;
     let frame =
         pool.install(|| render(arguments, &world, &camera, &settings, construction.as_ref()));
     write_picture(arguments, &scene, &frame.film)?;
-    if let Some(path) = &arguments.aovs {
-        let constructed = construction.as_ref();
-        let write = || {
-            aovs::write(
-                path,
-                arguments,
-                &world,
-                &camera,
-                &settings,
-                constructed,
-                &frame,
-            )
-        };
-        pool.install(write)?;
+    let constructed = construction.as_ref();
+    // What is expected of a frame with LIEs takes the same pass.
+    let is_asked = arguments.aovs.is_some() || (arguments.stats.is_some() && constructed.is_some());
+    let find = || aovs::find(&world, &camera, &settings, constructed);
+    let aovs = is_asked.then(|| pool.install(find));
+    if let (Some(path), Some(aovs)) = (&arguments.aovs, &aovs) {
+        lie_render::write_aovs(path, &frame.film, arguments.precision.into(), aovs)?;
     }
+    let expected_error = aovs
+        .filter(|_| constructed.is_some())
+        .map(|aovs| aovs::expected_error(&aovs, &frame.film));
 
     if let Some(path) = &arguments.stats {
         let stats = statistics(
@@ -247,12 +222,12 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
             threads,
             build_ms,
             &frame,
-            construction.as_ref(),
+            constructed.zip(expected_error),
         );
         write_json(path, &stats)?;
     }
-    if let Some((file, snapshot, hash)) = construction.as_ref().and_then(|it| it.unsaved.as_ref()) {
-        file.save(snapshot, *hash)?;
+    if let Some(construction) = &construction {
+        construction.save()?;
     }
     let size = settings.size;
     say(format_args!(
@@ -262,7 +237,10 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
         size.y,
         frame.median_ms,
         arguments.integrator.name(),
-    ))
+    ))?;
+    expected_error.map_or(Ok(()), |error| {
+        say(format_args!("expected error {:.4} %", 100.0 * error))
+    })
 }
 
 fn check_folder(path: &Path) -> anyhow::Result<()> {
@@ -285,24 +263,22 @@ fn is_picture(path: &Path) -> bool {
 }
 
 fn frame_settings(arguments: &Render, scene: &lie_scene::Scene) -> anyhow::Result<FrameSettings> {
-    let mut wanted = scene.settings;
-    wanted.size = arguments.size.unwrap_or(wanted.size);
+    let mut wanted = arguments.view.settings(scene);
     wanted.samples_per_pixel = arguments.spp.unwrap_or(wanted.samples_per_pixel);
-    wanted.light_samples = arguments.light_samples.unwrap_or(wanted.light_samples);
     wanted.exposure_stops = arguments.exposure.unwrap_or(wanted.exposure_stops);
     wanted.validate().or_usage()?;
     let settings = FrameSettings::new(&wanted);
     Ok(FrameSettings {
-        seed: arguments.seed,
+        seed: arguments.view.seed,
         ward: (arguments.integrator == Integrator::Ward).then_some(arguments.ward_threshold),
         ..settings
     })
 }
 
 /// LIEs for the view, and what they took.
-struct Constructed {
-    tree: LieTree,
-    replica: LieReplica,
+pub(crate) struct Constructed {
+    pub(crate) tree: LieTree,
+    pub(crate) replica: LieReplica,
     report: BatchReport,
     stats: lie_octree::LieStats,
     milliseconds: f64,
@@ -310,11 +286,22 @@ struct Constructed {
     unsaved: Option<(SnapshotFile, Snapshot, SceneHash)>,
 }
 
-fn construct(
-    arguments: &Render,
+impl Constructed {
+    /// Saves what was learnt, if it is to be kept.
+    pub(crate) fn save(&self) -> anyhow::Result<()> {
+        if let Some((file, snapshot, scene)) = &self.unsaved {
+            file.save(snapshot, *scene)?;
+        }
+        Ok(())
+    }
+}
+
+/// Constructs LIEs for a frame, until the view has converged or as long as was asked for.
+pub(crate) fn construct(
+    construction: &Construction,
     world: &Arc<World>,
     camera: &Camera,
-    size: UVec2,
+    frame: &FrameSettings,
     threads: usize,
     lies: Option<SnapshotFile>,
 ) -> anyhow::Result<Constructed> {
@@ -322,8 +309,8 @@ fn construct(
     const MAX_PASSES: u64 = 64;
     let settings = ConstructSettings {
         threads,
-        seed: arguments.seed,
-        ..arguments.construction.settings(world.scene())
+        seed: frame.seed,
+        ..construction.settings(world.scene())
     };
     let clock = Instant::now();
     let mut builder = Builder::new(world.clone(), settings)?;
@@ -333,15 +320,13 @@ fn construct(
         Ok::<_, anyhow::Error>((file, hash))
     });
     let lies = lies.transpose()?;
+    let size = frame.size;
     let views = [View {
         camera: camera.clone(),
         size,
     }];
     let pixels = u64::from(size.x) * u64::from(size.y);
-    let bar = progress_bar(
-        "construct",
-        arguments.construction.samples.unwrap_or(pixels),
-    );
+    let bar = progress_bar("construct", construction.samples.unwrap_or(pixels));
     let tell = |report: &BatchReport| {
         bar.set_length(bar.length().unwrap_or(0).max(report.taken));
         bar.set_position(report.taken);
@@ -350,12 +335,12 @@ fn construct(
             .map_or("…".into(), |error| format!("{:.3} %", 100.0 * error));
         bar.set_message(format!("error {error}"));
     };
-    let report = match arguments.construction.samples {
+    let report = match construction.samples {
         Some(samples) => builder.sample(&views, samples, tell),
         None => builder.converge(&views, pixels * MAX_PASSES, tell),
     };
     bar.finish_and_clear();
-    if !report.converged && arguments.construction.samples.is_none() {
+    if !report.converged && construction.samples.is_none() {
         tracing::warn!("the view has not converged after {MAX_PASSES} passes");
     }
     let replica = LieReplica::of(world.clone(), builder.tree());
@@ -438,7 +423,7 @@ fn statistics(
     threads: usize,
     build_ms: f64,
     frame: &Frame,
-    constructed: Option<&Constructed>,
+    constructed: Option<(&Constructed, f64)>,
 ) -> serde_json::Value {
     let stats = &frame.stats;
     // Stage times are summed over threads; as parts of the frame they are shared out.
@@ -446,7 +431,7 @@ fn statistics(
     serde_json::json!({
         "scene": arguments.scene.display().to_string(),
         "integrator": arguments.integrator.name(),
-        "accel": AccelKind::from(arguments.accel).name(),
+        "accel": AccelKind::from(arguments.view.accel).name(),
         "threads": threads,
         "width": settings.size.x,
         "height": settings.size.y,
@@ -461,13 +446,14 @@ fn statistics(
         "partial_ms": stage_ms(stats.partial_ns),
         "full_ms": stage_ms(stats.full_ns),
         "build_ms": build_ms,
-        "construct_ms": constructed.map_or(0.0, |constructed| constructed.milliseconds),
+        "construct_ms": constructed.map_or(0.0, |(constructed, _)| constructed.milliseconds),
         "primary_rays": stats.primary_rays,
         "shadow_rays": stats.shadow_rays,
         "list_rays": stats.list_rays,
         "occluder_tests": stats.occluder_tests,
         "trusted_fraction": stats.trusted_fraction(),
-        "lie": constructed.map(|constructed| serde_json::json!({
+        "lie": constructed.map(|(constructed, expected_error)| serde_json::json!({
+            "expected_error": expected_error,
             "cells": constructed.stats.cells,
             "entries": constructed.stats.entries,
             "masked": constructed.stats.masked,

@@ -94,6 +94,7 @@ fn count(stage: &Stage, lies: Option<&Constructed>, tell: &(dyn Fn(f32) + Sync))
     let lies = lies.map(|lies| AovLies {
         lookup: &lies.lies,
         facts: &|_| CellFacts::default(),
+        odds: None,
     });
     let (world, camera) = (stage.world(), stage.camera());
     Aovs::render(world, lies, camera, stage.settings(), &mut |share| {

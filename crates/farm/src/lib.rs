@@ -7,7 +7,8 @@
 //!   [`cache`] bring the scene to the shaders; [`snapshot`] keeps LIEs over restarts.
 //! * [`connection`], [`handshake`], [`network`] and [`outbox`] are what every connection
 //!   has: nothing above them knows that it is TCP.
-//! * [`Builder`] constructs LIEs, [`LieReplica`] is a shader's copy of them.
+//! * [`Builder`] constructs LIEs, [`LieReplica`] is a shader's copy of them, and
+//!   [`inspect::inspect`] says of one pixel what they know and what they make of it.
 //!
 //! Waiting for the network happens on tokio; construction and rendering have plain threads
 //! of their own and never run on its workers.
@@ -31,6 +32,7 @@ pub mod constructor;
 pub mod convert;
 mod file;
 pub mod handshake;
+pub mod inspect;
 pub mod launch;
 pub mod network;
 pub mod outbox;

@@ -193,9 +193,14 @@ impl LightEvidence {
 
     /// Whether so many rays are as many as its importance asks for.
     pub(crate) fn is_enough(&self, rays: u16, trust: u32) -> bool {
+        f32::from(rays) >= self.needed(trust)
+    }
+
+    /// Rays that its importance asks for.
+    pub(crate) fn needed(&self, trust: u32) -> f32 {
         let importance = f32::from(self.importance) / 255.0;
         let needed = trust as f32 * importance.clamp(1.0 / 16.0, 1.0);
-        f32::from(rays) >= needed.min(f32::from(u16::MAX))
+        needed.min(f32::from(u16::MAX))
     }
 
     /// Rays that reached the light.

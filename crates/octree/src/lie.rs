@@ -92,6 +92,12 @@ impl Lie {
         self.samples
     }
 
+    /// Samples that speak for lights without evidence: these carried nothing to any of them.
+    #[must_use]
+    pub fn dark(&self) -> u32 {
+        self.dark
+    }
+
     /// Where it was seen, and what is certain there.
     #[must_use]
     pub fn region(&self) -> &Region {
@@ -116,12 +122,16 @@ impl Lie {
         self.is_blank() || (trust > 0 && self.samples == 0)
     }
 
-    /// Whether enough rays agree on a light. Where geometry could not settle it much is in the
-    /// way, and it takes more of them.
+    /// Whether enough rays agree on a light.
     fn is_trusted(&self, entry: &LightEvidence, trust: u32) -> bool {
-        let is_open = self.region.proof(entry.light).is_some();
-        let factor = if is_open { OPEN } else { 1 };
-        entry.is_trusted(trust.saturating_mul(factor))
+        entry.is_trusted(self.trust_in(entry.light, trust))
+    }
+
+    /// Rays that must agree on a light. Where geometry could not settle it much is in the way,
+    /// and it takes more of them.
+    pub(crate) fn trust_in(&self, light: u32, trust: u32) -> u32 {
+        let is_open = self.region.proof(light).is_some();
+        trust.saturating_mul(if is_open { OPEN } else { 1 })
     }
 
     /// Whether lights that it has no evidence of are known to give it nothing: they shine

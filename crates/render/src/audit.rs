@@ -1,13 +1,12 @@
 //! Holds what LIEs answer against true shadow rays, on a few of a frame's pixels.
 
 use glam::{UVec2, Vec3};
-use lie_accel::RayPacket;
 use lie_geom::{RandomKey, Ray, sampling::strata};
 use lie_scene::Camera;
 
 use crate::{
-    Brdf, FrameSettings, LieCell, LieLookup, LightPoints, LightRay, Tile, World,
-    occluder_lists::OpenLists,
+    Brdf, FrameSettings, LieLookup, LightAnswer, LightPoints, Tile, World,
+    cell_answers::{CellAnswers, RayAnswer},
 };
 
 /// What an audit came to.
@@ -30,17 +29,6 @@ pub struct Mismatch {
     pub ray: Ray,
 }
 
-/// What a cell says of a light's rays.
-#[derive(Clone, Copy)]
-enum Answer {
-    Clear,
-    /// By the list with this place among the open ones.
-    Listed(usize),
-    Blocked,
-    /// Nothing: they are traced.
-    Unknown,
-}
-
 /// Keeps the choice of pixels apart from the frames' random numbers.
 const CHOICE: u64 = 0x6175_6469_7400;
 
@@ -61,7 +49,7 @@ pub fn audit(
     let film = camera.film(settings.size);
     let light_strata = strata(settings.light_samples);
     let mut found = Audit::default();
-    let mut open = OpenLists::default();
+    let mut answers: Option<CellAnswers<'_>> = None;
     for index in 0..tile.size.x * tile.size.y {
         let pixel = tile.origin + UVec2::new(index % tile.size.x, index / tile.size.x);
         let number = u64::from(pixel.x) | u64::from(pixel.y) << 32;
@@ -80,8 +68,9 @@ pub fn audit(
             strata: light_strata,
         };
         let cell = lies.cell(surface.shadow_origin);
-        open.open(&cell.partial, world.scene().geometry.shapes());
-        found.check(world, cell, &open, &points);
+        let answers = answers.get_or_insert_with(|| CellAnswers::new(world, cell));
+        answers.turn_to(cell);
+        found.check(world, answers, &points);
     }
     found
 }
@@ -93,52 +82,27 @@ impl Audit {
         self.mismatches.extend(other.mismatches);
     }
 
-    /// Traces the rays from one point. `open` are its cell's lists.
-    fn check(&mut self, world: &World, cell: &LieCell, open: &OpenLists, points: &LightPoints<'_>) {
+    /// Traces the rays from one point that its cell answers for.
+    fn check(&mut self, world: &World, answers: &CellAnswers<'_>, points: &LightPoints<'_>) {
+        let point = points.surface.shadow_origin;
         for light in 0..world.scene().lights.len() as u32 {
-            let answer = answer(cell, open, light);
-            if matches!(answer, Answer::Unknown) {
+            if answers.of(light) == LightAnswer::Traced {
                 continue;
             }
-            world.for_each_light_ray(light, points, |ray| {
-                let says_clear = match answer {
-                    // These are traced, but from cells that no light is said to reach.
-                    Answer::Clear | Answer::Listed(_) if ray.exact => return,
-                    Answer::Unknown => return,
-                    Answer::Clear => true,
-                    Answer::Blocked => false,
-                    Answer::Listed(place) => {
-                        let packet = RayPacket::new(&[ray.ray]);
-                        open.blocked(&open.lights[place], &packet, world.cutout()) == 0
-                    }
-                };
-                self.compare(world, points.surface.shadow_origin, &ray, says_clear);
+            answers.for_each_ray(light, points, |ray, answer| {
+                if answer == RayAnswer::Traced {
+                    return;
+                }
+                self.rays += 1;
+                let is_clear = world.accel().blocker(&ray.ray).is_none();
+                if is_clear != (answer == RayAnswer::Shown) {
+                    self.mismatches.push(Mismatch {
+                        light,
+                        point,
+                        ray: ray.ray,
+                    });
+                }
             });
         }
-    }
-
-    fn compare(&mut self, world: &World, point: Vec3, ray: &LightRay, says_clear: bool) {
-        self.rays += 1;
-        let is_clear = world.accel().blocker(&ray.ray).is_none();
-        if is_clear != says_clear {
-            self.mismatches.push(Mismatch {
-                light: ray.light,
-                point,
-                ray: ray.ray,
-            });
-        }
-    }
-}
-
-fn answer(cell: &LieCell, open: &OpenLists, light: u32) -> Answer {
-    if cell.traced.contains(light) {
-        return Answer::Unknown;
-    }
-    if cell.unoccluded.contains(light) {
-        return Answer::Clear;
-    }
-    match open.lights.binary_search_by_key(&light, |list| list.light) {
-        Ok(place) => Answer::Listed(place),
-        Err(_) => Answer::Blocked,
     }
 }

@@ -9,6 +9,8 @@
 //! [`Aovs`] is what a frame's pixels show and cost beside their light, found in a pass of its
 //! own: the renderer knows nothing of it.
 //!
+//! [`PixelLight`] is one pixel's light, light by light, as LIEs have it and as it is.
+//!
 //! Every pixel is a function of scene, camera, [`FrameSettings`] and the LIEs alone: the
 //! random numbers are keyed by pixel, sample and light, and sums are taken in one order.
 //!
@@ -31,7 +33,9 @@ mod audit;
 mod brdf;
 mod camera_ray;
 mod cell;
+mod cell_answers;
 mod delta_lanes;
+mod expected_error;
 mod film;
 mod frame;
 mod image_file;
@@ -40,6 +44,7 @@ mod light_set;
 mod metrics;
 mod occluder_lists;
 mod one_by_one;
+mod pixel_light;
 mod point_group;
 mod point_lanes;
 mod shading_point;
@@ -51,10 +56,12 @@ mod tone_map;
 mod ward;
 mod world;
 
-pub use aov::{AovLies, AovPixel, Aovs, CellAov, CellFacts, CostModel, Work, write_aovs};
+pub use aov::{AovLies, AovPixel, Aovs, CellAov, CellFacts, CostModel, OddsOf, Work, write_aovs};
 pub use audit::{Audit, Mismatch, audit};
 pub use brdf::Brdf;
 pub use cell::{LieCell, LieLookup};
+pub use cell_answers::LightAnswer;
+pub use expected_error::{AtStake, ExpectedError, RayOdds};
 pub use film::{Film, Precision};
 pub use frame::render_frame;
 pub use image_file::{ImageError, read_image, write_exr, write_png};
@@ -63,6 +70,7 @@ pub use light_rays::{LightPoints, LightRay};
 pub use light_set::LightSet;
 pub use metrics::{Comparison, compare};
 pub use occluder_lists::OccluderLists;
+pub use pixel_light::{LightShare, PixelLight};
 pub use stats::RenderStats;
 pub use tile::{RadianceTile, Tile, TileError, tiles};
 pub use tile_renderer::{FrameSettings, TileResult, render_tile};

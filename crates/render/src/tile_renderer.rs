@@ -6,7 +6,7 @@ use std::{
 use glam::{UVec2, Vec3};
 use lie_accel::{PACKET, RayPacket};
 use lie_geom::{RandomKey, Ray, sampling::strata};
-use lie_scene::{Camera, CameraFilm, RenderSettings, Surface};
+use lie_scene::{Camera, CameraFilm, RenderSettings};
 
 use crate::{
     Brdf, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
@@ -228,7 +228,7 @@ impl TileRenderer<'_> {
                 continue;
             };
             let surface = scene.surface(&rays[lane], hit);
-            sums[pixel] += self.emission(&surface);
+            sums[pixel] += self.world.emission(&surface);
             self.points.push(ShadingPoint {
                 pixel,
                 key,
@@ -253,15 +253,6 @@ impl TileRenderer<'_> {
             point.cell = Some(cell);
             self.stats.trusted += cell.answered() as u64;
             self.stats.evaluations += (cell.answered() + cell.traced.len()) as u64;
-        }
-    }
-
-    fn emission(&self, surface: &Surface) -> Vec3 {
-        let material = self.world.scene().material_at(surface);
-        if surface.front || material.double_sided {
-            material.emission
-        } else {
-            Vec3::ZERO
         }
     }
 }

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use glam::Vec3;
 use lie_accel::{Accel, AccelKind, Cutout, PACKET, RayPacket};
 use lie_geom::{Ray, Triangle};
 use lie_scene::{AreaLight, LightKind, Material, Scene, Surface};
@@ -110,6 +111,16 @@ impl World {
         self.accel
             .closest(ray)
             .map(|hit| self.scene.surface(ray, &hit))
+    }
+
+    /// What a surface emits towards the eye, in W·sr⁻¹·m⁻².
+    pub(crate) fn emission(&self, surface: &Surface) -> Vec3 {
+        let material = self.scene.material_at(surface);
+        if surface.front || material.double_sided {
+            material.emission
+        } else {
+            Vec3::ZERO
+        }
     }
 
     /// Where triangles have holes, if any has.

@@ -30,7 +30,7 @@ const ALWAYS: [Channel; 12] = [
 ];
 
 /// Channels of a frame with LIEs.
-const OF_CELLS: [Channel; 7] = [
+const OF_CELLS: [Channel; 8] = [
     ("lights.unoccluded", |pixel| cell(pixel).unoccluded),
     ("lights.partial", |pixel| cell(pixel).partial),
     ("lights.traced", |pixel| cell(pixel).traced),
@@ -38,6 +38,7 @@ const OF_CELLS: [Channel; 7] = [
     ("lights.hidden", |pixel| cell(pixel).hidden),
     ("cell.depth", |pixel| cell(pixel).depth),
     ("cell.samples", |pixel| cell(pixel).samples),
+    ("expected_error.Y", |pixel| cell(pixel).expected_error),
 ];
 
 fn cell(pixel: &AovPixel) -> CellAov {

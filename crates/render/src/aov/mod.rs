@@ -15,7 +15,10 @@ pub use self::{
     exr_file::write_aovs,
     work::{CostModel, Work},
 };
-use crate::{Brdf, FrameSettings, LieCell, LieLookup, LightPoints, World};
+use crate::{
+    Brdf, ExpectedError, FrameSettings, LieCell, LieLookup, LightPoints, RayOdds, World,
+    cell_answers::CellAnswers,
+};
 
 /// A frame's arbitrary output variables, row 0 on top.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +61,9 @@ pub struct CellAov {
     pub depth: f32,
     /// Samples that the cell's LIE rests on.
     pub samples: f32,
+    /// Root mean square of the error to be expected, as luminance, if anybody asked: the mean
+    /// over all of the pixel's camera rays, as if all were wrong together.
+    pub expected_error: f32,
 }
 
 /// What a shader does not know of a cell and its constructor does.
@@ -76,9 +82,14 @@ pub struct CellFacts {
 pub struct AovLies<'a> {
     /// As a frame asks them.
     pub lookup: &'a dyn LieLookup,
-    /// The smallest cell around a point.
+    /// The smallest cell around a place where shadow rays start.
     pub facts: &'a (dyn Fn(Vec3) -> CellFacts + Sync),
+    /// What may be wrong; `None` if nobody wants to know what error is to be expected.
+    pub odds: Option<&'a OddsOf<'a>>,
 }
+
+/// Adds how likely it is, for every light, that shadow rays from a place are answered wrongly.
+pub type OddsOf<'a> = dyn Fn(Vec3, &mut Vec<RayOdds>) + Sync + 'a;
 
 impl Aovs {
     /// Shoots a frame's camera rays once more, on rayon's current threads, and counts what
@@ -103,7 +114,9 @@ impl Aovs {
         let rows: Vec<Vec<AovPixel>> = (0..settings.size.y)
             .into_par_iter()
             .map(|y| {
-                let row = (0..settings.size.x).map(|x| pass.pixel(UVec2::new(x, y)));
+                // Neighbours mostly share a cell.
+                let mut doubts = Doubts::default();
+                let row = (0..settings.size.x).map(|x| pass.pixel(UVec2::new(x, y), &mut doubts));
                 let row = row.collect();
                 if let Ok(mut progress) = progress.lock() {
                     progress.0 += 1;
@@ -131,6 +144,18 @@ impl Aovs {
         &self.pixels
     }
 
+    /// Root mean square of the error to be expected of the whole picture, as luminance; 0
+    /// without LIEs, or if nobody asked.
+    #[must_use]
+    pub fn expected_rmse(&self) -> f64 {
+        let square = |pixel: &AovPixel| {
+            let error = pixel.cell.map_or(0.0, |cell| cell.expected_error);
+            f64::from(error) * f64::from(error)
+        };
+        let sum: f64 = self.pixels.iter().map(square).sum();
+        (sum / self.pixels.len().max(1) as f64).sqrt()
+    }
+
     /// The work of all pixels.
     #[must_use]
     pub fn total(&self) -> Work {
@@ -151,8 +176,15 @@ struct Pass<'a> {
     light_strata: (u32, u32),
 }
 
-impl Pass<'_> {
-    fn pixel(&self, pixel: UVec2) -> AovPixel {
+/// What the error to be expected is worked out in.
+#[derive(Default)]
+struct Doubts<'a> {
+    answers: Option<CellAnswers<'a>>,
+    odds: Vec<RayOdds>,
+}
+
+impl<'a> Pass<'a> {
+    fn pixel(&self, pixel: UVec2, doubts: &mut Doubts<'a>) -> AovPixel {
         let mut sum = AovPixel {
             cell: self.lies.map(|_| CellAov::default()),
             ..AovPixel::default()
@@ -180,15 +212,35 @@ impl Pass<'_> {
             sum.albedo += albedo(&brdf);
             if let (Some(total), Some(cell)) = (&mut sum.cell, cell) {
                 total.add(&self.cell_aov(cell, &surface));
+                total.expected_error += self.expected_error(cell, &points, doubts);
             }
         }
-        sum.mean(hits)
+        sum.mean(hits, self.settings.samples_per_pixel)
+    }
+
+    /// Root mean square of the error to be expected at a point, as luminance.
+    fn expected_error(
+        &self,
+        cell: &'a LieCell,
+        points: &LightPoints<'_>,
+        doubts: &mut Doubts<'a>,
+    ) -> f32 {
+        let Some(odds) = self.lies.and_then(|lies| lies.odds) else {
+            return 0.0;
+        };
+        doubts.odds.clear();
+        odds(points.surface.shadow_origin, &mut doubts.odds);
+        let world = self.world;
+        let new = || CellAnswers::new(world, cell);
+        let answers = doubts.answers.get_or_insert_with(new);
+        answers.turn_to(cell);
+        ExpectedError::of_point(world, answers, points, &doubts.odds).rms() as f32
     }
 
     fn cell_aov(&self, cell: &LieCell, surface: &Surface) -> CellAov {
         let facts = self
             .lies
-            .map(|lies| (lies.facts)(surface.position))
+            .map(|lies| (lies.facts)(surface.shadow_origin))
             .unwrap_or_default();
         let lights = self.world.scene().lights.len();
         let masked = facts.masked as usize;
@@ -201,6 +253,7 @@ impl Pass<'_> {
             hidden: lights.saturating_sub(seen) as f32,
             depth: facts.depth as f32,
             samples: facts.samples as f32,
+            expected_error: 0.0,
         }
     }
 }
@@ -213,15 +266,17 @@ fn albedo(brdf: &Brdf) -> Vec3 {
 }
 
 impl AovPixel {
-    /// From sums over some hits.
-    fn mean(mut self, hits: u32) -> Self {
+    /// From sums over some hits, of so many camera rays.
+    fn mean(mut self, hits: u32, rays: u32) -> Self {
         let share = 1.0 / hits.max(1) as f32;
         self.normal *= share;
         self.albedo *= share;
         if let Some(cell) = &mut self.cell {
+            let expected_error = cell.expected_error / rays.max(1) as f32;
             for value in cell.values_mut() {
                 *value *= share;
             }
+            cell.expected_error = expected_error;
         }
         self
     }
@@ -235,7 +290,7 @@ impl CellAov {
         }
     }
 
-    fn values_mut(&mut self) -> [&mut f32; 7] {
+    fn values_mut(&mut self) -> [&mut f32; 8] {
         [
             &mut self.unoccluded,
             &mut self.partial,
@@ -244,6 +299,7 @@ impl CellAov {
             &mut self.hidden,
             &mut self.depth,
             &mut self.samples,
+            &mut self.expected_error,
         ]
     }
 }

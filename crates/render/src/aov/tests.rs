@@ -1,7 +1,9 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::{Film, ImageError, Precision, RenderStats, read_image, render_frame};
+use crate::{
+    Film, ImageError, LightSet, Precision, RenderStats, luminance, read_image, render_frame,
+};
 
 /// The same cell everywhere.
 struct OneCell(LieCell);
@@ -54,6 +56,7 @@ fn aovs(world: &World, cell: Option<&OneCell>, settings: &FrameSettings) -> Aovs
     let lies = cell.map(|cell| AovLies {
         lookup: cell,
         facts: &|_| FACTS,
+        odds: None,
     });
     Aovs::render(world, lies, camera, settings, &mut |_| {})
 }
@@ -123,6 +126,64 @@ fn classes_add_up_to_all_lights() {
         assert!(pixel.albedo.min_element() >= 0.0 && pixel.albedo.max_element() <= 1.0);
     }
     assert!(seen > 0);
+}
+
+/// Errors to be expected of each pixel if every light is wrong with these odds, all of it at once.
+fn expected_errors(world: &World, cell: &OneCell, settings: &FrameSettings, odds: f32) -> Aovs {
+    let camera = &world.scene().cameras[0];
+    let lights = world.scene().lights.len();
+    let together = RayOdds {
+        one: odds,
+        two: odds,
+    };
+    let lies = AovLies {
+        lookup: cell,
+        facts: &|_| FACTS,
+        odds: Some(&|_, all| all.extend(std::iter::repeat_n(together, lights))),
+    };
+    Aovs::render(world, Some(lies), camera, settings, &mut |_| {})
+}
+
+#[test]
+fn a_cell_that_is_surely_wrong_is_off_by_all_that_it_answers() {
+    let world = World::new(Arc::new(lie_scene::cornell_box()));
+    let settings = settings(&world, 1);
+    let camera = &world.scene().cameras[0];
+    let dark = OneCell(LieCell::default());
+    let lit = OneCell(LieCell::new(
+        std::iter::once((0, &[][..])),
+        LightSet::default(),
+    ));
+    let traced = OneCell(LieCell::new(
+        std::iter::empty(),
+        std::iter::once(0).collect(),
+    ));
+    let picture = |cell| render_frame(&world, Some(cell), camera, &settings, &mut |_| {}).0;
+    let (lit_picture, dark_picture) = (picture(&lit), picture(&dark));
+    for (odds, share) in [(1.0, 1.0), (0.25, 0.5), (0.0, 0.0)] {
+        // √p w, and w is the light without shadows.
+        let found = expected_errors(&world, &lit, &settings, odds);
+        let mut sum = 0.0;
+        for (index, pixel) in found.pixels().iter().enumerate() {
+            let whole = lit_picture.radiance()[index] - dark_picture.radiance()[index];
+            let expected = share * luminance(whole);
+            let error = pixel.cell.unwrap().expected_error;
+            assert!(
+                (error - expected).abs() < 1.0e-3 * (1.0 + expected),
+                "{error} is not {expected}"
+            );
+            sum += f64::from(error * error);
+        }
+        let rmse = (sum / found.pixels().len() as f64).sqrt();
+        assert!((found.expected_rmse() - rmse).abs() < 1.0e-6 * (1.0 + rmse));
+        assert_eq!(rmse > 0.0, odds > 0.0);
+    }
+    // What is left out may be missing as a whole, exact rays and all.
+    assert!(expected_errors(&world, &dark, &settings, 0.25).expected_rmse() > 0.0);
+    assert_eq!(
+        expected_errors(&world, &traced, &settings, 1.0).expected_rmse(),
+        0.0
+    );
 }
 
 #[test]
