@@ -1,11 +1,12 @@
 //! Holds what LIEs answer against true shadow rays, on a few of a frame's pixels.
 
 use glam::{UVec2, Vec3};
+use lie_accel::{PACKET, RayPacket};
 use lie_geom::{RandomKey, Ray, sampling::strata};
-use lie_scene::Camera;
+use lie_scene::{Camera, Surface};
 
 use crate::{
-    Brdf, FrameSettings, LieLookup, LightAnswer, LightPoints, Tile, World,
+    Brdf, FrameSettings, LieCell, LieLookup, LightAnswer, LightPoints, Tile, World,
     cell_answers::{CellAnswers, RayAnswer},
 };
 
@@ -32,9 +33,12 @@ pub struct Mismatch {
 /// Keeps the choice of pixels apart from the frames' random numbers.
 const CHOICE: u64 = 0x6175_6469_7400;
 
+/// Pixels along a side of what is checked together: their rays to a light go in one packet.
+const BLOCK: u32 = 4;
+
 /// Traces the shadow rays of a share of a tile's pixels, in `[0, 1]`, to every light that
-/// `lies` answer for there, and compares. Which pixels that are depends on `seed`; their rays
-/// are those of the frame's first sample.
+/// `lies` answer for there, and compares. Pixels come in blocks of 4 × 4. Which ones depends on
+/// `seed`; their rays are those of the frame's first sample.
 #[must_use]
 pub fn audit(
     world: &World,
@@ -47,32 +51,63 @@ pub fn audit(
 ) -> Audit {
     let choice = RandomKey::new(seed).mix(CHOICE);
     let film = camera.film(settings.size);
-    let light_strata = strata(settings.light_samples);
-    let mut found = Audit::default();
-    let mut answers: Option<CellAnswers<'_>> = None;
-    for index in 0..tile.size.x * tile.size.y {
-        let pixel = tile.origin + UVec2::new(index % tile.size.x, index / tile.size.x);
-        let number = u64::from(pixel.x) | u64::from(pixel.y) << 32;
+    let mut check = Check {
+        world,
+        light_strata: strata(settings.light_samples),
+        points: vec![],
+        cells: vec![],
+        rays: vec![],
+        found: Audit::default(),
+    };
+    let blocks = tile.size.map(|side| side.div_ceil(BLOCK));
+    for index in 0..blocks.x * blocks.y {
+        let start = tile.origin + BLOCK * UVec2::new(index % blocks.x, index / blocks.x);
+        let number = u64::from(start.x) | u64::from(start.y) << 32;
         if choice.mix(number).uniform(0) >= share {
             continue;
         }
-        let (ray, key) = settings.camera_ray(&film, pixel, 0);
-        let Some(surface) = world.first_surface(&ray) else {
-            continue;
-        };
-        let brdf = Brdf::new(world.scene(), &surface);
-        let points = LightPoints {
-            surface: &surface,
-            brdf: &brdf,
-            key,
-            strata: light_strata,
-        };
-        let cell = lies.cell(surface.shadow_origin);
-        let answers = answers.get_or_insert_with(|| CellAnswers::new(world, cell));
-        answers.turn_to(cell);
-        found.check(world, answers, &points);
+        let size = (tile.origin + tile.size - start).min(UVec2::splat(BLOCK));
+        check.points.clear();
+        check.cells.clear();
+        for place in 0..size.x * size.y {
+            let pixel = start + UVec2::new(place % size.x, place / size.x);
+            let (ray, key) = settings.camera_ray(&film, pixel, 0);
+            let Some(surface) = world.first_surface(&ray) else {
+                continue;
+            };
+            let cell = check.place_of(lies.cell(surface.shadow_origin));
+            check.points.push(Point {
+                brdf: Brdf::new(world.scene(), &surface),
+                surface,
+                key,
+                cell,
+            });
+        }
+        check.block();
     }
-    found
+    check.found
+}
+
+/// What a pixel shows.
+struct Point {
+    surface: Surface,
+    brdf: Brdf,
+    key: RandomKey,
+    /// Its cell's place among the block's.
+    cell: usize,
+}
+
+/// An audit under way.
+struct Check<'a> {
+    world: &'a World,
+    light_strata: (u32, u32),
+    /// A block's.
+    points: Vec<Point>,
+    /// The cells that these lie in.
+    cells: Vec<CellAnswers<'a>>,
+    /// Rays that are to be traced, from where, and whether LIEs say that they get through.
+    rays: Vec<(Mismatch, bool)>,
+    found: Audit,
 }
 
 impl Audit {
@@ -81,28 +116,65 @@ impl Audit {
         self.rays += other.rays;
         self.mismatches.extend(other.mismatches);
     }
+}
 
-    /// Traces the rays from one point that its cell answers for.
-    fn check(&mut self, world: &World, answers: &CellAnswers<'_>, points: &LightPoints<'_>) {
-        let point = points.surface.shadow_origin;
-        for light in 0..world.scene().lights.len() as u32 {
-            if answers.of(light) == LightAnswer::Traced {
-                continue;
+impl<'a> Check<'a> {
+    /// Where a cell is among the block's, which it is added to.
+    fn place_of(&mut self, cell: &'a LieCell) -> usize {
+        let known = self.cells.iter().position(|known| known.is_of(cell));
+        known.unwrap_or_else(|| {
+            self.cells.push(CellAnswers::new(self.world, cell));
+            self.cells.len() - 1
+        })
+    }
+
+    /// Traces the rays from a block's points that their cells answer for, light by light.
+    fn block(&mut self) {
+        for light in 0..self.world.scene().lights.len() as u32 {
+            for point in &self.points {
+                let answers = &self.cells[point.cell];
+                if answers.of(light) == LightAnswer::Traced {
+                    continue;
+                }
+                let light_points = LightPoints {
+                    surface: &point.surface,
+                    brdf: &point.brdf,
+                    key: point.key,
+                    strata: self.light_strata,
+                };
+                let rays = &mut self.rays;
+                answers.for_each_ray(light, &light_points, |ray, answer| {
+                    if answer != RayAnswer::Traced {
+                        let said = Mismatch {
+                            light,
+                            point: point.surface.shadow_origin,
+                            ray: ray.ray,
+                        };
+                        rays.push((said, answer == RayAnswer::Shown));
+                    }
+                });
             }
-            answers.for_each_ray(light, points, |ray, answer| {
-                if answer == RayAnswer::Traced {
-                    return;
-                }
-                self.rays += 1;
-                let is_clear = world.accel().blocker(&ray.ray).is_none();
-                if is_clear != (answer == RayAnswer::Shown) {
-                    self.mismatches.push(Mismatch {
-                        light,
-                        point,
-                        ray: ray.ray,
-                    });
-                }
-            });
+            self.compare();
         }
+    }
+
+    /// Traces what has come together.
+    fn compare(&mut self) {
+        for chunk in self.rays.chunks(PACKET) {
+            let mut rays = [chunk[0].0.ray; PACKET];
+            for (place, (said, _)) in rays.iter_mut().zip(chunk) {
+                *place = said.ray;
+            }
+            let packet = RayPacket::new(&rays[..chunk.len()]);
+            let blocked = self.world.accel().blocked_packet(&packet);
+            for (lane, (said, says_clear)) in chunk.iter().enumerate() {
+                let is_clear = blocked >> lane & 1 == 0;
+                if is_clear != *says_clear {
+                    self.found.mismatches.push(*said);
+                }
+            }
+        }
+        self.found.rays += self.rays.len() as u64;
+        self.rays.clear();
     }
 }

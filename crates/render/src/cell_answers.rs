@@ -44,6 +44,11 @@ impl<'a> CellAnswers<'a> {
         Self { world, cell, lists }
     }
 
+    /// Whether it is this cell that answers.
+    pub(crate) fn is_of(&self, cell: &LieCell) -> bool {
+        std::ptr::eq(self.cell, cell)
+    }
+
     /// Turns to another cell; nothing is done if it is the same one.
     pub(crate) fn turn_to(&mut self, cell: &'a LieCell) {
         if !std::ptr::eq(self.cell, cell) {

@@ -29,7 +29,7 @@ const LONGEST: usize = 128;
 
 /// The same of lights that have an extent: their shafts are wide, and most of what is in them
 /// blocks little. Samples find shorter lists.
-const LONGEST_TO_AREA: usize = 16;
+const LONGEST_TO_AREA: usize = 4;
 
 /// Triangles that a proof of a hidden light may take.
 const COVER: usize = 128;
