@@ -3,7 +3,7 @@ use lie_geom::{RandomKey, Ray};
 use lie_octree::{LieSettings, Observation};
 use lie_scene::Camera;
 
-use super::{ConstructSettings, past::PastView};
+use super::ConstructSettings;
 
 /// What somebody looks at: samples are taken where it shows the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,16 +17,16 @@ pub struct View {
 /// How far one view has come.
 pub(super) struct ViewProgress {
     pub(super) view: View,
-    epoch: u64,
+    pub(super) epoch: u64,
     key: RandomKey,
     /// The picture's squares, neighbours close to each other.
-    squares: Vec<UVec2>,
+    pub(super) squares: Vec<UVec2>,
     /// Squares sampled so far, over all passes.
-    taken: u64,
+    pub(super) taken: u64,
     pass: Pass,
     /// The last two whole passes through the pixels' centres, the later one first.
-    last: [Option<Finding>; 2],
-    typical: f32,
+    pub(super) last: [Option<Finding>; 2],
+    pub(super) typical: f32,
 }
 
 /// What a whole pass showed.
@@ -106,30 +106,6 @@ impl ViewProgress {
             pass: Pass::default(),
             typical: 0.0,
             last: [None; 2],
-        }
-    }
-
-    /// A view that is looked at again. Its last pass counts as done, with nothing found.
-    pub(super) fn resume(view: View, past: &PastView, seed: u64) -> Self {
-        let progress = Self::new(view, seed, past.epoch);
-        Self {
-            taken: u64::from(past.passes) * progress.squares.len() as u64,
-            last: past.last,
-            typical: past.typical,
-            ..progress
-        }
-    }
-
-    /// What is to be kept of it, as the tree is at this version.
-    pub(super) fn past(&self, version: u64) -> PastView {
-        let begun = self.taken.div_ceil(self.squares.len() as u64);
-        PastView {
-            view: self.view.clone(),
-            epoch: self.epoch,
-            passes: u32::try_from(begun).unwrap_or(u32::MAX),
-            last: self.last,
-            typical: self.typical,
-            version,
         }
     }
 

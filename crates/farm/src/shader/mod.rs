@@ -7,6 +7,7 @@
 mod assembly;
 mod audit;
 mod client_session;
+mod ledger;
 mod render_pool;
 mod scene_fetch;
 mod stage;

@@ -130,7 +130,16 @@ fn work(queue: &Queue, audit: f32) {
         }
         job.frame.outstanding.fetch_sub(1, Ordering::Relaxed);
         if audit > 0.0 && job.frame.integrator == WireIntegrator::Lie {
-            let checked = catch_unwind(AssertUnwindSafe(|| audit::check(&job, audit)));
+            let Job { frame, tile, .. } = &job;
+            let checked = catch_unwind(AssertUnwindSafe(|| {
+                let FrameWork {
+                    stage,
+                    camera,
+                    settings,
+                    ..
+                } = &**frame;
+                audit::check(stage, camera, settings, *tile, audit, frame.number);
+            }));
             if checked.is_err() {
                 tracing::error!("tile {:?} could not be checked", job.tile);
             }

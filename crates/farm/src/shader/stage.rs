@@ -5,7 +5,7 @@ use lie_octree::LieSettings;
 use lie_protocol::SceneHash;
 use lie_render::World;
 
-use super::audit::Ledger;
+use super::ledger::Ledger;
 use crate::{LieReplica, PublishedLies};
 
 /// A scene that is ready to be rendered, with the newest LIEs.
