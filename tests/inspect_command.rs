@@ -218,3 +218,19 @@ fn what_cannot_be_ends_in_2_and_says_why() {
     );
     assert!(message.contains("no/such.glb"), "{message}");
 }
+
+#[test]
+fn a_second_look_takes_what_the_first_has_learnt() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = gallery(folder.path());
+    let file = folder.path().join("lies");
+    let look = |samples: &str| {
+        let mut command = lie();
+        command.arg("inspect").arg(&scene).arg("--lies").arg(&file);
+        command.args(["--size", "48x32", "--trust", "64", "--pixel", "20,20"]);
+        output(command.args(["--samples", samples]))
+    };
+    let first = look("20000");
+    assert!(fs::metadata(&file).unwrap().len() > 1000);
+    assert_eq!(look("0"), first);
+}

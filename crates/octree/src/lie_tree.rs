@@ -238,12 +238,13 @@ impl LieTree {
         let Some(lie) = self.tree.leaf_mut(key) else {
             return;
         };
+        let told = lie.state(settings.trust, lights);
         if lie.samples() == 0 {
             lie.narrow(bounds, geometry);
         }
         let before = lie.clone();
         lie.record(group.iter().map(|(_, seen)| *seen), &settings);
-        if before.state(settings.trust, lights) != lie.state(settings.trust, lights) {
+        if told != lie.state(settings.trust, lights) {
             lie.version = version + 1;
             self.changed.insert(key);
         }

@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::Vec3;
 use lie_geom::{Aabb, RandomKey, Ray};
 use lie_octree::{
-    CellBody, CellKey, CellState, GROUP, LieSettings, LieState, LieTree, Observation, Observer,
-    Outcome, Replica, ShadowRay, Visibility,
+    Between, CellBody, CellKey, CellState, GROUP, LieSettings, LieState, LieTree, Observation,
+    Observer, Outcome, Replica, ShadowRay, Visibility,
 };
 use proptest::prelude::*;
 
@@ -46,6 +46,15 @@ fn settings() -> impl Strategy<Value = LieSettings> {
             masking: 0.0,
         },
     )
+}
+
+/// A world in which the odd triangles are in nobody's way to the left of the middle.
+struct Right;
+
+impl Between for Right {
+    fn between(&self, _light: u32, ends: Aabb) -> impl Fn(u32) -> bool {
+        move |triangle| triangle % 2 == 0 || ends.max.x > 0.1
+    }
 }
 
 fn replica(tree: &LieTree) -> Replica<LieState> {
@@ -148,7 +157,7 @@ proptest! {
             if index == join {
                 late = Some(snapshot(&tree));
             }
-            tree.record(batch);
+            tree.record_between(batch, &Right);
             for key in tree.commit() {
                 let state = tree.state(key).unwrap();
                 follower.apply(&state, LieState::clone);

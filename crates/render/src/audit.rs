@@ -110,14 +110,6 @@ struct Check<'a> {
     found: Audit,
 }
 
-impl Audit {
-    /// Adds another one.
-    pub fn add(&mut self, other: Self) {
-        self.rays += other.rays;
-        self.mismatches.extend(other.mismatches);
-    }
-}
-
 impl<'a> Check<'a> {
     /// Where a cell is among the block's, which it is added to.
     fn place_of(&mut self, cell: &'a LieCell) -> usize {

@@ -3,11 +3,7 @@
 use glam::Vec3;
 use lie_geom::{Aabb, Triangle};
 
-use super::{SIDES, Side, Volume, union};
-use crate::{
-    block::{BLOCK, TriangleBlock},
-    node::{Node, WIDTH},
-};
+use super::{SIDES, Side, Volume};
 
 /// All segments from one box to another.
 ///
@@ -15,8 +11,8 @@ use crate::{
 /// the two is inside, by every test here.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxShaft {
-    /// Box around all of it.
-    around: Aabb,
+    /// Box around all of it: minima and maxima by axis.
+    around: [[f32; 3]; 2],
     /// The corners of both boxes.
     corners: [Vec3; 16],
     /// Planes along one axis each, which it lies on one side of.
@@ -38,10 +34,7 @@ impl BoxShaft {
             .fold(0.0f32, |most, corner| most.max(corner.abs().max_element()));
         let room = STEPS * f32::EPSILON * reach;
         let mut shaft = Self {
-            around: Aabb {
-                min: all.min - room,
-                max: all.max + room,
-            },
+            around: [(all.min - room).to_array(), (all.max + room).to_array()],
             corners: corners(from, to),
             sides: [Side {
                 rows: [0, 2],
@@ -74,16 +67,27 @@ impl BoxShaft {
         let corners = [triangle.a, triangle.b, triangle.c].map(|corner| corner.to_array());
         self.is_inside(corners, triangle.normal.to_array())
     }
+}
 
-    /// Whether some segment may hit a triangle.
+impl Volume for BoxShaft {
+    #[inline(always)]
+    fn around(&self) -> &[[f32; 3]; 2] {
+        &self.around
+    }
+
+    #[inline(always)]
+    fn sides(&self) -> &[Side; SIDES] {
+        &self.sides
+    }
+
     #[inline(always)]
     fn is_inside(&self, corners: [[f32; 3]; 3], normal: [f32; 3]) -> bool {
         // Degenerate triangles, and lanes that hold none, are never hit.
         let mut inside = (normal[0] != 0.0) | (normal[1] != 0.0) | (normal[2] != 0.0);
         for axis in 0..3 {
             let [a, b, c] = [corners[0][axis], corners[1][axis], corners[2][axis]];
-            inside &= a.min(b).min(c) <= self.around.max[axis];
-            inside &= a.max(b).max(c) >= self.around.min[axis];
+            inside &= a.min(b).min(c) <= self.around[1][axis];
+            inside &= a.max(b).max(c) >= self.around[0][axis];
         }
         for side in &self.sides {
             let (u, v) = (side.rows[0] / 2, side.rows[1] / 2);
@@ -102,42 +106,6 @@ impl BoxShaft {
             behind |= away <= self.room;
         }
         inside & before & behind
-    }
-}
-
-impl Volume for BoxShaft {
-    #[inline(always)]
-    fn children(&self, node: &Node) -> u32 {
-        let mut inside = [true; WIDTH];
-        for axis in 0..3 {
-            let (low, high) = (&node.planes[2 * axis], &node.planes[2 * axis + 1]);
-            for child in 0..WIDTH {
-                inside[child] &=
-                    (low[child] <= self.around.max[axis]) & (high[child] >= self.around.min[axis]);
-            }
-        }
-        for side in &self.sides {
-            side.cut(node, &mut inside);
-        }
-        let mut bits = [0; WIDTH];
-        for child in 0..WIDTH {
-            bits[child] = if inside[child] { 1 << child } else { 0 };
-        }
-        union(&bits)
-    }
-
-    #[inline(always)]
-    fn triangles(&self, block: &TriangleBlock) -> u32 {
-        let mut inside = [0; BLOCK];
-        for lane in 0..BLOCK {
-            let (corners, normal) = block.lane(lane);
-            inside[lane] = if self.is_inside(corners, normal) {
-                1 << lane
-            } else {
-                0
-            };
-        }
-        union(&inside)
     }
 }
 

@@ -33,13 +33,57 @@ pub struct Shaft {
     sides: [Side; SIDES],
 }
 
-/// A part of space, by conservative tests.
+/// A convex part of space, by conservative tests.
 trait Volume {
+    /// Box around all of it: minima and maxima by axis.
+    fn around(&self) -> &[[f32; 3]; 2];
+
+    /// Planes along one axis each, which it lies on one side of.
+    fn sides(&self) -> &[Side; SIDES];
+
+    /// Whether a triangle, by its corners and normal, may be in it.
+    fn is_inside(&self, corners: [[f32; 3]; 3], normal: [f32; 3]) -> bool;
+
     /// The children of a node whose boxes it meets: bit `i` for child `i`.
-    fn children(&self, node: &Node) -> u32;
+    #[inline(always)]
+    fn children(&self, node: &Node) -> u32 {
+        let mut inside = [true; WIDTH];
+        let [least, most] = self.around();
+        for axis in 0..3 {
+            let (low, high) = (&node.planes[2 * axis], &node.planes[2 * axis + 1]);
+            for child in 0..WIDTH {
+                inside[child] &= (low[child] <= most[axis]) & (high[child] >= least[axis]);
+            }
+        }
+        for side in self.sides() {
+            let (u, v) = (&node.planes[side.rows[0]], &node.planes[side.rows[1]]);
+            for child in 0..WIDTH {
+                let most = side.normal[0] * u[child] + side.normal[1] * v[child];
+                // Unused children's boxes are infinite, and their sum may be undefined.
+                inside[child] &= most >= side.least;
+            }
+        }
+        let mut bits = [0; WIDTH];
+        for child in 0..WIDTH {
+            bits[child] = if inside[child] { 1 << child } else { 0 };
+        }
+        union(&bits)
+    }
 
     /// The triangles of a block that it may meet: bit `i` for lane `i`.
-    fn triangles(&self, block: &TriangleBlock) -> u32;
+    #[inline(always)]
+    fn triangles(&self, block: &TriangleBlock) -> u32 {
+        let mut inside = [0; BLOCK];
+        for lane in 0..BLOCK {
+            let (corners, normal) = block.lane(lane);
+            inside[lane] = if self.is_inside(corners, normal) {
+                1 << lane
+            } else {
+                0
+            };
+        }
+        union(&inside)
+    }
 }
 
 /// Two tangents from the apex to the box, seen along each axis.
@@ -107,24 +151,6 @@ impl Shaft {
         shaft
     }
 
-    /// Whether some segment may hit a triangle. Rounding is monotonic, so what the operations
-    /// of the triangle test make of an interval's ends bounds what they make of a ray.
-    #[inline(always)]
-    fn is_inside(&self, corners: [[f32; 3]; 3], normal: [f32; 3]) -> bool {
-        let planes = edge_planes(corners, self.apex);
-        let a = self.interval(planes[0]);
-        let b = self.interval(planes[1]);
-        let c = self.interval(planes[2]);
-        let before = (a[0] > 0.0) | (b[0] > 0.0) | (c[0] > 0.0);
-        let behind = (a[1] < 0.0) | (b[1] < 0.0) | (c[1] < 0.0);
-        // It is met at `offset / along`, which must lie between 0 and 1.
-        let offset = plane_offset(corners[0], normal, self.apex);
-        let along = self.interval(normal);
-        let reached =
-            ((offset > 0.0) & (along[1] > offset)) | ((offset < 0.0) & (along[0] < offset));
-        !(before & behind) & reached
-    }
-
     /// Whether some segment may hit a triangle; in doubt it does.
     #[must_use]
     pub fn may_hit(&self, triangle: &Triangle) -> bool {
@@ -145,50 +171,31 @@ impl Shaft {
 
 impl Volume for Shaft {
     #[inline(always)]
-    fn children(&self, node: &Node) -> u32 {
-        let mut inside = [true; WIDTH];
-        for axis in 0..3 {
-            let (low, high) = (&node.planes[2 * axis], &node.planes[2 * axis + 1]);
-            for child in 0..WIDTH {
-                inside[child] &=
-                    (low[child] <= self.around[1][axis]) & (high[child] >= self.around[0][axis]);
-            }
-        }
-        for side in &self.sides {
-            side.cut(node, &mut inside);
-        }
-        let mut bits = [0; WIDTH];
-        for child in 0..WIDTH {
-            bits[child] = if inside[child] { 1 << child } else { 0 };
-        }
-        union(&bits)
+    fn around(&self) -> &[[f32; 3]; 2] {
+        &self.around
     }
 
     #[inline(always)]
-    fn triangles(&self, block: &TriangleBlock) -> u32 {
-        let mut inside = [0; BLOCK];
-        for lane in 0..BLOCK {
-            let (corners, normal) = block.lane(lane);
-            inside[lane] = if self.is_inside(corners, normal) {
-                1 << lane
-            } else {
-                0
-            };
-        }
-        union(&inside)
+    fn sides(&self) -> &[Side; SIDES] {
+        &self.sides
     }
-}
 
-impl Side {
-    /// Strikes out the children of a node whose boxes lie beyond.
+    /// Rounding is monotonic, so what the operations of the triangle test make of an interval's
+    /// ends bounds what they make of a ray.
     #[inline(always)]
-    fn cut(&self, node: &Node, inside: &mut [bool; WIDTH]) {
-        let (u, v) = (&node.planes[self.rows[0]], &node.planes[self.rows[1]]);
-        for child in 0..WIDTH {
-            let most = self.normal[0] * u[child] + self.normal[1] * v[child];
-            // Unused children's boxes are infinite, and their sum may be undefined.
-            inside[child] &= most >= self.least;
-        }
+    fn is_inside(&self, corners: [[f32; 3]; 3], normal: [f32; 3]) -> bool {
+        let planes = edge_planes(corners, self.apex);
+        let a = self.interval(planes[0]);
+        let b = self.interval(planes[1]);
+        let c = self.interval(planes[2]);
+        let before = (a[0] > 0.0) | (b[0] > 0.0) | (c[0] > 0.0);
+        let behind = (a[1] < 0.0) | (b[1] < 0.0) | (c[1] < 0.0);
+        // It is met at `offset / along`, which must lie between 0 and 1.
+        let offset = plane_offset(corners[0], normal, self.apex);
+        let along = self.interval(normal);
+        let reached =
+            ((offset > 0.0) & (along[1] > offset)) | ((offset < 0.0) & (along[0] < offset));
+        !(before & behind) & reached
     }
 }
 

@@ -12,6 +12,8 @@ use super::Refusal;
 const MAGIC: [u8; 8] = *b"LIE-LIES";
 /// Counts up with every change to the container or to what views mean.
 const VERSION: u32 = 1;
+/// Most bytes of a snapshot: more are neither written nor read.
+pub(super) const LONGEST: u64 = 1 << 34;
 /// What the checksum is about, of the header.
 const CHECKED: usize = 8 + 4 + 4 + 32 + 8 + 8;
 const HEADER: usize = CHECKED + 32;

@@ -138,9 +138,8 @@ impl SnapshotFile {
         let expected =
             container::expected_length(&mut file).map_err(|cause| self.cannot_read(cause))?;
         // One more than there should be tells that there are more.
-        let read = file
-            .take(expected.saturating_add(1))
-            .read_to_end(&mut bytes);
+        let most = expected.min(container::LONGEST).saturating_add(1);
+        let read = file.take(most).read_to_end(&mut bytes);
         read.map_err(|cause| self.cannot_read(cause))?;
         match decode(&bytes, builder, scene) {
             Ok(snapshot) => {
@@ -224,7 +223,11 @@ fn encode(snapshot: &Snapshot, scene: SceneHash) -> io::Result<Vec<u8>> {
         views: views::encode(snapshot).map_err(io::Error::other)?,
         tree: snapshot.tree.to_bytes(),
     };
-    Ok(container::encode(&contents))
+    let bytes = container::encode(&contents);
+    if bytes.len() as u64 > container::LONGEST {
+        return Err(io::ErrorKind::FileTooLarge.into());
+    }
+    Ok(bytes)
 }
 
 /// What was saved, if this builder may go on from there.
