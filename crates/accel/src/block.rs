@@ -17,8 +17,8 @@ const UNUSED: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct TriangleBlock {
-    corners: [[[f32; BLOCK]; 3]; 3],
-    normal: [[f32; BLOCK]; 3],
+    pub(crate) corners: [[[f32; BLOCK]; 3]; 3],
+    pub(crate) normal: [[f32; BLOCK]; 3],
     ids: [u32; BLOCK],
 }
 

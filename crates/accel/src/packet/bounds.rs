@@ -1,7 +1,7 @@
 //! What holds for every ray of a packet, so that a node's eight boxes are passed over
 //! together, sixteen rays at a time.
 
-use super::{Lanes, PACKET, RayPacket, largest, smallest};
+use super::{Lanes, PACKET, RayPacket};
 use crate::node::{Node, WIDER, WIDTH};
 
 /// Intervals around the rays of a packet (Boulos, Wald and Shirley 2006, *Geometric and
@@ -42,7 +42,7 @@ impl PacketBounds {
     /// The bounds of a packet's active rays; `None` if there are none.
     #[inline(always)]
     pub(crate) fn new(packet: &RayPacket, inverse: &[Lanes; 3]) -> Option<Self> {
-        let t_min = extremes(packet, &packet.t_min)[0];
+        let t_min = packet.extremes(&packet.t_min)[0];
         if t_min == f32::INFINITY {
             return None;
         }
@@ -101,8 +101,8 @@ impl PacketBounds {
 impl AxisBounds {
     #[inline(always)]
     fn new(packet: &RayPacket, inverse: &[Lanes; 3], axis: usize) -> Self {
-        let origins = extremes(packet, &packet.origin[axis]);
-        let inverses = extremes(packet, &inverse[axis]);
+        let origins = packet.extremes(&packet.origin[axis]);
+        let inverses = packet.extremes(&inverse[axis]);
         if inverses[0] > 0.0 {
             Self::OneWay {
                 near: 2 * axis,
@@ -149,33 +149,10 @@ impl AxisBounds {
             ends[1][lane] = start[lane] + far + room(far);
         }
         [
-            smaller(
-                extremes(packet, &starts[0])[0],
-                extremes(packet, &ends[0])[0],
-            ),
-            larger(
-                extremes(packet, &starts[1])[1],
-                extremes(packet, &ends[1])[1],
-            ),
+            smaller(packet.extremes(&starts[0])[0], packet.extremes(&ends[0])[0]),
+            larger(packet.extremes(&starts[1])[1], packet.extremes(&ends[1])[1]),
         ]
     }
-}
-
-/// The least and the largest number of the active lanes.
-#[inline(always)]
-fn extremes(packet: &RayPacket, values: &Lanes) -> [f32; 2] {
-    let mut low = [f32::INFINITY; PACKET];
-    let mut high = [f32::NEG_INFINITY; PACKET];
-    for lane in 0..PACKET {
-        let active = packet.is_active(lane);
-        low[lane] = if active { values[lane] } else { f32::INFINITY };
-        high[lane] = if active {
-            values[lane]
-        } else {
-            f32::NEG_INFINITY
-        };
-    }
-    [smallest(&low), largest(&high)]
 }
 
 #[inline(always)]

@@ -53,16 +53,13 @@ impl RayPacket {
     /// All rays against one triangle, each up to its bound; `None` if none hits. Does what
     /// [`lie_geom::intersect_lane`] does, and no more than it must: most triangles are
     /// missed by every ray's line.
-    /// With `FAN`, which asks for rays from one apex, what is the same for all is loop
-    /// invariant: three scalar products are left for each ray. The bits are the same.
     #[inline(always)]
-    pub(crate) fn intersect<const FAN: bool>(
+    pub(crate) fn intersect(
         &self,
         (corners, normal): ([[f32; 3]; 3], [f32; 3]),
         bound: &Lanes,
     ) -> Option<PacketHits> {
-        let apex = self.apex.unwrap_or_default();
-        let start = |ray: usize| self.start::<FAN>(apex, ray);
+        let start = |ray: usize| self.start::<false>([0.0; 3], ray);
         self.test(
             bound,
             |ray| edge_weights(corners, start(ray), self.way(ray)),
@@ -103,8 +100,9 @@ impl RayPacket {
         any(&hit).then_some(hits)
     }
 
-    /// All rays, which start at one apex, against a triangle of which is known what they have
-    /// in common: the planes through its edges, its normal and its plane's offset.
+    /// The same for rays that start at one apex, against a triangle of which is known what they
+    /// have in common: the planes through its edges, its normal and its plane's offset. Three
+    /// scalar products are left for each ray. The bits are the same.
     #[inline(always)]
     pub(crate) fn intersect_from(
         &self,

@@ -2,6 +2,7 @@
 //! of them.
 
 mod bounds;
+mod fan_planes;
 mod hits;
 mod occluders;
 mod traverse;
@@ -169,6 +170,35 @@ impl RayPacket {
             }
         }
         inverses
+    }
+
+    /// The least and the largest direction of the active lanes, by axis.
+    #[inline(always)]
+    fn ways(&self) -> [[f32; 3]; 2] {
+        let mut ways = [[0.0; 3]; 2];
+        for axis in 0..3 {
+            let [least, most] = self.extremes(&self.direction[axis]);
+            ways[0][axis] = least;
+            ways[1][axis] = most;
+        }
+        ways
+    }
+
+    /// The least and the largest number of the active lanes.
+    #[inline(always)]
+    fn extremes(&self, values: &Lanes) -> [f32; 2] {
+        let mut low = [f32::INFINITY; PACKET];
+        let mut high = [f32::NEG_INFINITY; PACKET];
+        for lane in 0..PACKET {
+            let active = self.is_active(lane);
+            low[lane] = if active { values[lane] } else { f32::INFINITY };
+            high[lane] = if active {
+                values[lane]
+            } else {
+                f32::NEG_INFINITY
+            };
+        }
+        [smallest(&low), largest(&high)]
     }
 
     /// Whether any lane enters a box before its bound.

@@ -1,10 +1,15 @@
 //! Packets against short lists of triangles, without a tree: what is left of a shadow ray
 //! where it is known what may be in the way.
 
-use lie_geom::{Aabb, Triangle, edge_planes, plane_offset};
+use lie_geom::{Aabb, Triangle, plane_offset};
 use multiversion::multiversion;
 
-use super::{Lanes, PACKET, RayPacket, finish, hits::PacketHits, union};
+use super::{
+    Lanes, PACKET, RayPacket,
+    fan_planes::{FanPlanes, all_at, at},
+    finish,
+    hits::PacketHits,
+};
 use crate::Cutout;
 
 /// Triangles that lists name, sixteen to a block: what a list asks of them is asked of a
@@ -46,8 +51,7 @@ pub struct FanOccluders {
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 struct FanPart {
-    /// The planes through the apex and each edge, as of [`edge_planes`].
-    planes: [[Lanes; 3]; 3],
+    seen: FanPlanes<PACKET>,
     normal: [Lanes; 3],
     /// As of [`plane_offset`].
     offset: Lanes,
@@ -146,7 +150,7 @@ impl RayPacket {
 fn blocked_by(packet: &RayPacket, triangle: &Triangle) -> u32 {
     let corners = [triangle.a, triangle.b, triangle.c].map(|corner| corner.to_array());
     packet
-        .intersect::<false>((corners, triangle.normal.to_array()), &packet.t_max)
+        .intersect((corners, triangle.normal.to_array()), &packet.t_max)
         .map_or(0, |hits| hits.mask())
 }
 
@@ -159,20 +163,13 @@ fn look_from(seen: &mut Vec<FanPart>, apex: [f32; 3], blocks: &[Block], parts: &
         let Some(block) = blocks.get(part.block as usize) else {
             continue;
         };
-        let mut planes = [[[0.0; PACKET]; 3]; 3];
         let mut offset = [0.0; PACKET];
         for place in 0..PACKET {
-            let shape = all_at(&block.corners, place);
-            let edges = edge_planes(shape, apex);
-            offset[place] = plane_offset(shape[0], at(&block.normal, place), apex);
-            for edge in 0..3 {
-                for axis in 0..3 {
-                    planes[edge][axis][place] = edges[edge][axis];
-                }
-            }
+            let corner = at(&block.corners[0], place);
+            offset[place] = plane_offset(corner, at(&block.normal, place), apex);
         }
         seen.push(FanPart {
-            planes,
+            seen: FanPlanes::new(&block.corners, apex),
             normal: block.normal,
             offset,
             indices: block.indices,
@@ -200,20 +197,20 @@ fn blocked_by_fan(
     for part in &list.parts {
         let mut left = part.places;
         if left.count_ones() > FEW {
-            left &= part.near(ways);
+            left &= part.seen.near(ways);
         }
         while left != 0 {
             let place = left.trailing_zeros() as usize;
             left &= left - 1;
-            let planes = all_at(&part.planes, place);
-            let normal = at(&part.normal, place);
-            let hit = packet.hit_from(planes, normal, part.offset[place], &test.bound);
+            let (planes, normal) = (part.seen.of(place), at(&part.normal, place));
+            let offset = part.offset[place];
+            let hit = packet.hit_from(planes, normal, offset, &test.bound);
             if hit == 0 {
                 continue;
             }
             let index = part.indices[place];
             let solid = test.solid(index, hit, || {
-                packet.intersect_from(planes, normal, part.offset[place], &test.bound)
+                packet.intersect_from(planes, normal, offset, &test.bound)
             });
             if test.block(solid) {
                 return test.blocked;
@@ -221,41 +218,6 @@ fn blocked_by_fan(
         }
     }
     test.blocked
-}
-
-impl FanPart {
-    /// The triangles that some ray's line may pass inside: bit `i` for triangle `i`. `ways` are
-    /// the ends of the interval that the rays' directions lie in, axis by axis.
-    ///
-    /// Rounding is monotonic, so what the same operations make of an interval's ends bounds
-    /// what they make of a ray.
-    #[inline(always)]
-    fn near(&self, ways: [[f32; 3]; 2]) -> u32 {
-        let mut near = [0; PACKET];
-        for place in 0..PACKET {
-            let a = interval(at(&self.planes[0], place), ways);
-            let b = interval(at(&self.planes[1], place), ways);
-            let c = interval(at(&self.planes[2], place), ways);
-            let before = (a[0] > 0.0) | (b[0] > 0.0) | (c[0] > 0.0);
-            let behind = (a[1] < 0.0) | (b[1] < 0.0) | (c[1] < 0.0);
-            near[place] = if before & behind { 0 } else { 1 << place };
-        }
-        union(&near)
-    }
-}
-
-/// The least and the most that a scalar product may be.
-#[inline(always)]
-fn interval(plane: [f32; 3], ways: [[f32; 3]; 2]) -> [f32; 2] {
-    let x = ends(plane[0] * ways[0][0], plane[0] * ways[1][0]);
-    let y = ends(plane[1] * ways[0][1], plane[1] * ways[1][1]);
-    let z = ends(plane[2] * ways[0][2], plane[2] * ways[1][2]);
-    [x[0] + y[0] + z[0], x[1] + y[1] + z[1]]
-}
-
-#[inline(always)]
-fn ends(a: f32, b: f32) -> [f32; 2] {
-    [if a < b { a } else { b }, if a < b { b } else { a }]
 }
 
 #[inline(always)]
@@ -283,7 +245,7 @@ fn blocked_by_parts(
             let place = left.trailing_zeros() as usize;
             left &= left - 1;
             let triangle = (all_at(&block.corners, place), at(&block.normal, place));
-            let Some(hits) = packet.intersect::<false>(triangle, &test.bound) else {
+            let Some(hits) = packet.intersect(triangle, &test.bound) else {
                 continue;
             };
             let solid = test.solid(block.indices[place], hits.mask(), || Some(hits));
@@ -340,20 +302,6 @@ impl<'a> Test<'a> {
         finish(rays, &mut self.bound);
         self.blocked == self.active
     }
-}
-
-#[inline(always)]
-fn at(axes: &[Lanes; 3], place: usize) -> [f32; 3] {
-    [axes[0][place], axes[1][place], axes[2][place]]
-}
-
-#[inline(always)]
-fn all_at(vectors: &[[Lanes; 3]; 3], place: usize) -> [[f32; 3]; 3] {
-    [
-        at(&vectors[0], place),
-        at(&vectors[1], place),
-        at(&vectors[2], place),
-    ]
 }
 
 #[cfg(test)]

@@ -1,14 +1,19 @@
 //! A packet through the tree.
 
-use lie_geom::Hit;
+use lie_geom::{Hit, plane_offset};
 use multiversion::multiversion;
 
 use super::{
-    Lanes, PACKET, RayPacket, bounds::PacketBounds, finish, hits::PacketHits, lanes, largest,
+    Lanes, PACKET, RayPacket,
+    bounds::PacketBounds,
+    fan_planes::{FanPlanes, at},
+    finish,
+    hits::PacketHits,
+    lanes, largest,
 };
 use crate::{
     Bvh,
-    block::TriangleBlock,
+    block::{BLOCK, TriangleBlock},
     node::{Child, Node, Target, WIDTH},
     stack::{Stack, with_stack},
 };
@@ -148,6 +153,7 @@ fn walk<const FAN: bool>(
     let Some(bounds) = PacketBounds::new(packet, &inverse) else {
         return;
     };
+    let (apex, ways) = (packet.apex.unwrap_or_default(), packet.ways());
     let mut bound = packet.t_max;
     let mut farthest = largest(&bound);
     stack.clear();
@@ -162,10 +168,25 @@ fn walk<const FAN: bool>(
                 let entries = bounds.entries(node, farthest);
                 push_entered::<FAN>(node, packet, &inverse, &bound, entries, stack);
             }
+            Target::Block(index) if FAN => {
+                let block = &bvh.blocks[index];
+                let seen = FanPlanes::new(&block.corners, apex);
+                let mut near = seen.near(ways);
+                while near != 0 {
+                    let lane = near.trailing_zeros() as usize % BLOCK;
+                    near &= near - 1;
+                    let (planes, normal) = (seen.of(lane), at(&block.normal, lane));
+                    let offset = plane_offset(at(&block.corners[0], lane), normal, apex);
+                    if let Some(hits) = packet.intersect_from(planes, normal, offset, &bound) {
+                        found(block, lane, &hits, &mut bound);
+                        farthest = largest(&bound);
+                    }
+                }
+            }
             Target::Block(index) => {
                 let block = &bvh.blocks[index];
                 for lane in 0..block.len() {
-                    if let Some(hits) = packet.intersect::<FAN>(block.lane(lane), &bound) {
+                    if let Some(hits) = packet.intersect(block.lane(lane), &bound) {
                         found(block, lane, &hits, &mut bound);
                         farthest = largest(&bound);
                     }
