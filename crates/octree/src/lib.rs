@@ -29,6 +29,7 @@
 //! assert_eq!(lie.evidence(3).unwrap().occluders[0].triangle(), 7);
 //! ```
 
+mod doubt;
 mod evidence;
 mod key;
 mod lie;
@@ -42,6 +43,7 @@ mod replica;
 mod snapshot;
 mod tree;
 
+pub use doubt::Doubt;
 pub use evidence::{LightEvidence, Mask, Occluder};
 pub use key::CellKey;
 pub use lie::{Lie, Standing};

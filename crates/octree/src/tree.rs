@@ -39,6 +39,19 @@ impl Cube {
             .min(UVec3::splat((1 << CellKey::MAX_DEPTH) - 1))
     }
 
+    /// The cell around a point at a depth, whether it is divided so far or not; of points
+    /// outside, one at the border.
+    ///
+    /// # Panics
+    /// Past [`CellKey::MAX_DEPTH`].
+    #[must_use]
+    pub fn key_at(&self, point: Vec3, depth: u32) -> CellKey {
+        let place = self.quantize(point);
+        (0..depth).fold(CellKey::ROOT, |key, level| {
+            key.child(octant(place, CellKey::MAX_DEPTH - 1 - level))
+        })
+    }
+
     /// The box of a cell.
     #[must_use]
     pub fn cell_bounds(&self, key: CellKey) -> Aabb {

@@ -32,6 +32,17 @@ pub struct Surface {
     pub roughness: f32,
 }
 
+/// A hit, as far as its triangle alone says what it is.
+struct Facet {
+    /// Barycentric weights of the corners.
+    weights: [f32; 3],
+    position: Vec3,
+    wo: Vec3,
+    front: bool,
+    geometric_normal: Vec3,
+    shadow_origin: Vec3,
+}
+
 /// Rounding, square roots and interpolation are single instructions with wider vectors.
 #[multiversion(targets(
     "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
@@ -48,15 +59,42 @@ impl Scene {
         surface(self, ray, hit)
     }
 
+    /// Where shadow rays start from a hit of `ray`: [`Surface::shadow_origin`] alone.
+    #[must_use]
+    pub fn shadow_origin(&self, ray: &Ray, hit: &Hit) -> Vec3 {
+        self.facet(ray, hit).shadow_origin
+    }
+
+    /// What of a hit needs no material.
     #[inline(always)]
-    fn surface_at(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let corners = self.geometry.corners(hit.triangle);
+    fn facet(&self, ray: &Ray, hit: &Hit) -> Facet {
         let shape = self.geometry.triangle(hit.triangle);
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         let position = weights[0] * shape.a + weights[1] * shape.b + weights[2] * shape.c;
         let wo = -ray.direction.normalize_or(Vec3::NEG_Z);
         let front = shape.normal.dot(wo) >= 0.0;
         let geometric_normal = if front { shape.normal } else { -shape.normal };
+        Facet {
+            weights,
+            position,
+            wo,
+            front,
+            geometric_normal,
+            shadow_origin: offset_origin(position, geometric_normal + wo, shape.extent()),
+        }
+    }
+
+    #[inline(always)]
+    fn surface_at(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let corners = self.geometry.corners(hit.triangle);
+        let Facet {
+            weights,
+            position,
+            wo,
+            front,
+            geometric_normal,
+            shadow_origin,
+        } = self.facet(ray, hit);
         let interpolated = weights[0] * corners[0].normal
             + weights[1] * corners[1].normal
             + weights[2] * corners[2].normal;
@@ -82,7 +120,7 @@ impl Scene {
         }
         Surface {
             position,
-            shadow_origin: offset_origin(position, geometric_normal + wo, shape.extent()),
+            shadow_origin,
             wo,
             geometric_normal,
             shading_normal,

@@ -5,6 +5,8 @@ mod point;
 mod prove;
 mod sample;
 mod shafts;
+mod sheet;
+mod tally;
 mod view;
 
 use std::{
@@ -17,11 +19,8 @@ use lie_render::{Mismatch, World};
 use rayon::prelude::*;
 
 use self::{
-    neighbours::Neighbours,
-    point::Point,
-    prove::Prover,
-    shafts::Shafts,
-    view::{Square, ViewProgress},
+    neighbours::Neighbours, point::Point, prove::Prover, shafts::Shafts, sheet::Place,
+    view::ViewProgress,
 };
 pub(crate) use self::{past::MOST_VIEWS, view::Finding};
 pub use self::{
@@ -108,8 +107,8 @@ pub struct BatchReport {
 }
 
 impl Builder {
-    /// Squares of 16 × 16 pixels in one batch.
-    const BATCH: usize = 32;
+    /// Surface points in one batch, about.
+    const BATCH: u64 = 8192;
 
     /// An empty tree over the world.
     ///
@@ -164,16 +163,12 @@ impl Builder {
         &self.tree
     }
 
-    /// Samples some squares of these views, of each about as many, and learns from it. A
-    /// view that was there in the last batch goes on where it was; without views nothing
-    /// happens, and nothing is left to converge.
+    /// Samples some surface points of these views, of each about as many, and learns from it:
+    /// first where most of a pixel's light is in doubt. A view that was there in the last batch
+    /// goes on where it was; without views nothing happens, and nothing is left to converge.
     pub fn batch(&mut self, views: &[View]) -> BatchReport {
         self.look_at(views);
-        let mut planned: Vec<(usize, Square)> = vec![];
-        let share = Self::BATCH.div_ceil(self.views.len().max(1));
-        for (index, progress) in self.views.iter_mut().enumerate() {
-            planned.extend((0..share).map(|_| (index, progress.next_square())));
-        }
+        let planned = self.plan();
         let points = self.visible_points(&planned);
         self.prove(&points);
         let (world, tree, views_now) = (&*self.world, &self.tree, &self.views);
@@ -183,40 +178,56 @@ impl Builder {
                 .par_iter()
                 .zip(points)
                 .with_max_len(1)
-                .map(|(&(view, square), points)| {
-                    let progress = &views_now[view];
-                    let random = progress.random(square);
-                    let typical = progress.typical();
+                .map(|((view, places), points)| {
+                    let progress = &views_now[*view];
+                    let random = progress.random(places);
+                    let typical = progress.typical;
                     let sampling = sample::Sampling {
                         world,
                         neighbours,
                         prover,
                         tree,
                         typical,
+                        is_survey: prover.is_some() && progress.passes == 0,
                     };
                     sampling.observe(random, points)
                 })
                 .collect()
         });
-        for (&(view, square), observations) in planned.iter().zip(&observed) {
-            self.views[view].count(square, observations);
-            self.taken += square.pixels();
+        for ((view, places), observations) in planned.iter().zip(&observed) {
+            self.views[*view].count(observations);
+            self.taken += places.len() as u64;
         }
-        self.views.iter_mut().for_each(ViewProgress::end_batch);
+        let done = self.views.iter_mut().map(ViewProgress::end_batch);
+        self.taken += done.sum::<u64>();
         let observed: Vec<Observation> = observed.into_iter().flatten().collect();
         self.tree.record_between(&observed, &*self.shafts);
         self.report()
     }
 
-    /// What the camera sees in each square.
-    fn visible_points(&self, planned: &[(usize, Square)]) -> Vec<Vec<Point>> {
-        let (world, views) = (&*self.world, &self.views);
+    /// Neighbourhoods that are worth a sample, each with its view's index.
+    fn plan(&mut self) -> Vec<(usize, Vec<Place>)> {
+        let (world, tree) = (&*self.world, &self.tree);
+        let share = Self::BATCH.div_ceil(self.views.len().max(1) as u64);
+        let views = &mut self.views;
         self.pool.install(|| {
-            let squares = planned.par_iter().with_max_len(1);
-            squares
-                .map(|&(view, square)| point::visible_points(world, &views[view], square))
-                .collect()
+            let plan = |(index, progress): (usize, &mut ViewProgress)| {
+                let places = progress.plan(world, tree, share);
+                places.into_iter().map(move |places| (index, places))
+            };
+            views.iter_mut().enumerate().flat_map(plan).collect()
         })
+    }
+
+    /// The surfaces at the planned places.
+    fn visible_points(&self, planned: &[(usize, Vec<Place>)]) -> Vec<Vec<Point>> {
+        let (world, views) = (&*self.world, &self.views);
+        let points = |(view, places): &(usize, Vec<Place>)| {
+            let point = |place| Point::new(world, &views[*view], place);
+            places.iter().map(point).collect()
+        };
+        self.pool
+            .install(|| planned.par_iter().with_max_len(1).map(points).collect())
     }
 
     /// Settles what can be settled of the cells around some points, and splits those of which too

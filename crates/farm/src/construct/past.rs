@@ -52,19 +52,19 @@ impl ViewProgress {
     /// A view that is looked at again. Its last pass counts as done, with nothing found.
     fn resume(view: View, past: &PastView, seed: u64) -> Self {
         let mut progress = Self::new(view, seed, past.epoch);
-        progress.taken = u64::from(past.passes) * progress.squares.len() as u64;
+        progress.passes = u64::from(past.passes);
         progress.last = past.last;
         progress.typical = past.typical;
+        progress.is_typical_known = past.typical > 0.0;
         progress
     }
 
     /// What is to be kept of it, as the tree is at this version.
     fn past(&self, version: u64) -> PastView {
-        let begun = self.taken.div_ceil(self.squares.len() as u64);
         PastView {
             view: self.view.clone(),
             epoch: self.epoch,
-            passes: u32::try_from(begun).unwrap_or(u32::MAX),
+            passes: u32::try_from(self.begun()).unwrap_or(u32::MAX),
             last: self.last,
             typical: self.typical,
             version,

@@ -16,6 +16,9 @@ pub(super) struct Sampling<'a> {
     pub(super) tree: &'a LieTree,
     /// Luminance of a typical pixel.
     pub(super) typical: f32,
+    /// Whether lights that proofs serve and could not settle are left for a later pass: a few
+    /// samples would not be enough to rely on, and time is better spent on proofs elsewhere.
+    pub(super) is_survey: bool,
 }
 
 impl Sampling<'_> {
@@ -34,18 +37,23 @@ impl Sampling<'_> {
             strata,
         };
         let mut observer = Observer::new(tree, &origins, self.typical, random, &visibility);
+        let serves = |light| self.prover.is_some_and(|prover| prover.serves(light));
+        let passes_over = |light| self.is_survey && serves(light);
+        observer.count_settled(passes_over);
         let mut rays = vec![];
         for light in 0..world.scene().lights.len() as u32 {
+            if passes_over(light) || !observer.is_open(light) {
+                continue;
+            }
             rays.clear();
-            let is_served = self.prover.is_some_and(|prover| prover.serves(light));
             for (index, point) in (0..).zip(&points) {
                 match observer.proof(index, light) {
                     // Nobody has tried, since it does not reach the cell's points.
-                    None if is_served => {}
+                    None if serves(light) => {}
                     None | Some(Proof::Open) => {
                         gather_rays(world, light, index, &point.light_points(strata), &mut rays);
                     }
-                    Some(_) => observer.certain(index),
+                    Some(_) => {}
                 }
             }
             if !rays.is_empty() {

@@ -1,9 +1,14 @@
 use glam::{UVec2, Vec2};
 use lie_geom::{RandomKey, Ray};
-use lie_octree::{LieSettings, Observation};
+use lie_octree::{LieSettings, LieTree, Observation};
+use lie_render::World;
 use lie_scene::Camera;
 
-use super::ConstructSettings;
+use super::{
+    ConstructSettings,
+    sheet::{self, Place, Sheet},
+    tally::Tally,
+};
 
 /// What somebody looks at: samples are taken where it shows the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,14 +24,24 @@ pub(super) struct ViewProgress {
     pub(super) view: View,
     pub(super) epoch: u64,
     key: RandomKey,
-    /// The picture's squares, neighbours close to each other.
-    pub(super) squares: Vec<UVec2>,
-    /// Squares sampled so far, over all passes.
-    pub(super) taken: u64,
-    pass: Pass,
+    /// The picture's squares, in the order in which they are looked at.
+    squares: Vec<Square>,
+    /// Whole passes so far.
+    pub(super) passes: u64,
+    /// Squares that this pass has looked at.
+    looked_at: usize,
+    /// What is left to learn of those looked at last.
+    sheet: Sheet,
+    /// Pixels done in this batch that were not sampled.
+    passed_over: u64,
+    tally: Tally,
     /// The last two whole passes through the pixels' centres, the later one first.
     pub(super) last: [Option<Finding>; 2],
+    /// Mean luminance of a pixel, without the brightest, as far as samples answer for it; 0
+    /// before there are any.
     pub(super) typical: f32,
+    /// Whether a whole pass has shown that.
+    pub(super) is_typical_known: bool,
 }
 
 /// What a whole pass showed.
@@ -42,18 +57,27 @@ pub(crate) struct Finding {
 /// which less must have come out of doubt by two passes for the rest to be left as it is.
 const DOUBTFUL: f32 = 0.01;
 
-/// A part of one pass over a view: up to 16 × 16 pixels.
+/// A part of a view: up to 16 × 16 pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Square {
     /// Its first pixel.
     origin: UVec2,
     /// Columns and rows.
     size: UVec2,
-    pub(super) pass: u64,
 }
 
 impl Square {
-    pub(super) const SIDE: u32 = 16;
+    const SIDE: u32 = 16;
+
+    /// Those of a picture, row by row.
+    pub(super) fn all(size: UVec2) -> impl Iterator<Item = Self> {
+        let starts =
+            grid(size.map(|side| side.div_ceil(Self::SIDE))).map(|place| place * Self::SIDE);
+        starts.map(move |origin| Self {
+            origin,
+            size: (size - origin).min(UVec2::splat(Self::SIDE)),
+        })
+    }
 
     pub(super) fn pixels(&self) -> u64 {
         u64::from(self.size.x) * u64::from(self.size.y)
@@ -78,60 +102,46 @@ fn goes_through_centres(pass: u64) -> bool {
     pass.is_multiple_of(2)
 }
 
-/// What one pass showed: one sample in every pixel.
-#[derive(Default)]
-struct Pass {
-    pixels: u64,
-    evaluations: u64,
-    trusted: u64,
-    /// For each surface point, the luminance that LIEs answer for: as the tree had it, and
-    /// as it is.
-    luminances: Vec<(f32, f32)>,
-}
+/// Squares that are looked at together.
+const SHEET: usize = 1024;
 
 impl ViewProgress {
     /// A view that nobody has looked at yet. Of views that are sampled twice, each in its own
     /// epoch, the samples are different ones.
     pub(super) fn new(view: View, seed: u64, epoch: u64) -> Self {
-        let counts = view.size.map(|side| side.div_ceil(Square::SIDE));
-        let mut squares: Vec<UVec2> = grid(counts).collect();
-        squares.sort_by_key(|square| interleaved(square.x) | interleaved(square.y) << 1);
+        let mut squares: Vec<Square> = Square::all(view.size).collect();
+        // Sheets are spread over all of a large picture.
+        squares.sort_by_key(|square| {
+            let place = square.origin / Square::SIDE;
+            (interleaved(place.x) | interleaved(place.y) << 1).reverse_bits()
+        });
         let key = RandomKey::new(seed).mix(CONSTRUCTION);
         Self {
             view,
             epoch,
             key: if epoch == 0 { key } else { key.mix(epoch) },
             squares,
-            taken: 0,
-            pass: Pass::default(),
+            passes: 0,
+            looked_at: 0,
+            sheet: Sheet::default(),
+            passed_over: 0,
+            tally: Tally::default(),
             typical: 0.0,
+            is_typical_known: false,
             last: [None; 2],
         }
     }
 
-    /// The next square of the picture.
-    pub(super) fn next_square(&mut self) -> Square {
-        let count = self.squares.len() as u64;
-        let (pass, index) = (self.taken / count, self.taken % count);
-        self.taken += 1;
-        let origin = self.squares[index as usize] * Square::SIDE;
-        Square {
-            origin,
-            size: (self.view.size - origin).min(UVec2::splat(Square::SIDE)),
-            pass,
-        }
-    }
-
-    /// The camera ray of a pixel, and the key of its random numbers. The first pass and every
-    /// other go through the pixels' centres, where a frame with one sample per pixel looks:
-    /// what only a single pixel shows is found as well. The passes between go through random
-    /// places.
-    pub(super) fn camera_ray(&self, pixel: UVec2, pass: u64) -> (Ray, RandomKey) {
+    /// The camera ray of a pixel in this pass, and the key of its random numbers. The first pass
+    /// and every other go through the pixels' centres, where a frame with one sample per pixel
+    /// looks: what only a single pixel shows is found as well. The passes between go through
+    /// random places.
+    pub(super) fn camera_ray(&self, pixel: UVec2) -> (Ray, RandomKey) {
         let key = self
             .key
-            .mix(pass)
+            .mix(self.passes)
             .mix(u64::from(pixel.x) | u64::from(pixel.y) << 32);
-        let offset = if goes_through_centres(pass) {
+        let offset = if goes_through_centres(self.passes) {
             Vec2::splat(0.5)
         } else {
             key.uniform2(0)
@@ -140,16 +150,39 @@ impl ViewProgress {
         (self.view.camera.ray(film, self.view.size), key.mix(1))
     }
 
-    /// What is random of a square but not of its pixels.
-    pub(super) fn random(&self, square: Square) -> RandomKey {
-        let key = self.key.mix(square.pass).mix(u64::MAX);
-        key.mix(u64::from(square.origin.x) | u64::from(square.origin.y) << 32)
+    /// What is random of a neighbourhood but not of its pixels.
+    pub(super) fn random(&self, places: &[Place]) -> RandomKey {
+        let key = self.key.mix(self.passes).mix(u64::MAX);
+        places.first().map_or(key, |place| key.mix(place.code()))
     }
 
-    /// Mean luminance of the last whole pass, or of what there is of the first, without the
-    /// brightest.
-    pub(super) fn typical(&self) -> f32 {
-        self.typical
+    /// The next points that are worth a sample, about so many, by their neighbourhoods; none if
+    /// what is left of this pass is not.
+    pub(super) fn plan(&mut self, world: &World, tree: &LieTree, points: u64) -> Vec<Vec<Place>> {
+        let mut planned = vec![];
+        let mut count = 0;
+        while count < points {
+            match self.sheet.clusters.pop() {
+                Some(cluster) => {
+                    count += cluster.places.len() as u64;
+                    planned.push(cluster);
+                }
+                // What one sheet teaches is known before the next is looked at.
+                None if !planned.is_empty() => break,
+                None if self.looked_at == self.squares.len() => break,
+                None => self.look(world, tree),
+            }
+        }
+        sheet::join(planned)
+    }
+
+    /// Looks at the next squares. What was left to learn of those before is done.
+    fn look(&mut self, world: &World, tree: &LieTree) {
+        self.end_sheet();
+        let end = self.squares.len().min(self.looked_at + SHEET);
+        let squares = &self.squares[self.looked_at..end];
+        self.sheet = Sheet::new(world, tree, self, squares);
+        self.looked_at = end;
     }
 
     /// Relative RMSE of the picture, as the last whole pass through the pixels' centres showed
@@ -179,44 +212,57 @@ impl ViewProgress {
         // Two rays to each light from every sample: no cell can be known earlier.
         let patience = u64::from(trust / (2 * split_samples.max(1)));
         let is_cheap = last.doubtful <= DOUBTFUL
-            || self.passes() >= patience.max(3)
+            || self.passes >= patience.max(3)
                 && gained.is_some_and(|gained| gained.doubtful < DOUBTFUL);
         is_right && is_cheap
     }
 
-    /// Whole passes so far.
-    fn passes(&self) -> u64 {
-        self.taken / self.squares.len() as u64
+    /// Takes in what some points showed.
+    pub(super) fn count(&mut self, observations: &[Observation]) {
+        self.tally.count(observations);
     }
 
-    /// Takes in what a square showed.
-    pub(super) fn count(&mut self, square: Square, observations: &[Observation]) {
-        let pass = &mut self.pass;
-        pass.pixels += square.pixels();
-        for seen in observations {
-            pass.evaluations += u64::from(seen.evaluations);
-            pass.trusted += u64::from(seen.trusted);
-            pass.luminances.push((seen.predicted, seen.actual));
-        }
-        let is_whole = pass.pixels == u64::from(self.view.size.x) * u64::from(self.view.size.y);
-        if is_whole {
-            let pass = std::mem::take(&mut self.pass);
-            self.typical = pass.mean();
-            if goes_through_centres(square.pass) {
-                let found = Finding {
-                    error: pass.relative_rmse(),
-                    doubtful: 1.0 - pass.trusted_share(),
-                };
-                self.last = [Some(found), self.last[0]];
+    /// Ends a batch, and the pass if nothing is left of it: how many pixels are done beside those
+    /// that were sampled.
+    pub(super) fn end_batch(&mut self) -> u64 {
+        if self.sheet.clusters.is_empty() {
+            self.end_sheet();
+            if self.looked_at == self.squares.len() {
+                self.end_pass();
             }
         }
+        // The first pass has no other to know the picture's luminance from.
+        if !self.is_typical_known && self.tally.pixels > 0 {
+            self.typical = self.tally.mean();
+        }
+        std::mem::take(&mut self.passed_over)
     }
 
-    /// Ends a batch: the first pass has no other to know the picture's luminance from.
-    pub(super) fn end_batch(&mut self) {
-        if self.last[0].is_none() && self.pass.pixels > 0 {
-            self.typical = self.pass.mean();
+    /// Counts the pixels of a sheet that were not worth a sample.
+    fn end_sheet(&mut self) {
+        let Sheet { rest, answered, .. } = std::mem::take(&mut self.sheet);
+        self.tally.skip(rest, answered);
+        self.passed_over += rest;
+    }
+
+    fn end_pass(&mut self) {
+        let tally = std::mem::take(&mut self.tally);
+        // Later passes see less of it, where less is in doubt.
+        self.typical = match tally.mean() {
+            mean if self.is_typical_known => self.typical.max(mean),
+            mean => mean,
+        };
+        self.is_typical_known = self.typical > 0.0;
+        if goes_through_centres(self.passes) {
+            self.last = [Some(tally.finding(self.typical)), self.last[0]];
         }
+        self.passes += 1;
+        self.looked_at = 0;
+    }
+
+    /// Passes that were begun.
+    pub(super) fn begun(&self) -> u64 {
+        self.passes + u64::from(self.looked_at > 0)
     }
 }
 
@@ -228,45 +274,4 @@ fn interleaved(number: u32) -> u64 {
     (0..32).fold(0, |bits, bit| {
         bits | u64::from(number >> bit & 1) << (2 * bit)
     })
-}
-
-impl Pass {
-    /// The luminance that a thousandth of the points exceed. Surfaces centimetres from a
-    /// lamp would outweigh the whole picture: they count as no more than this.
-    fn white(&self) -> f32 {
-        let mut actual: Vec<f32> = self.luminances.iter().map(|&(_, actual)| actual).collect();
-        let rank = actual.len() * 999 / 1000;
-        match actual.get(rank) {
-            Some(_) => *actual.select_nth_unstable_by(rank, f32::total_cmp).1,
-            None => 0.0,
-        }
-    }
-
-    /// Mean over all pixels.
-    fn mean(&self) -> f32 {
-        let white = self.white();
-        let shown = self
-            .luminances
-            .iter()
-            .map(|&(_, actual)| f64::from(actual.min(white)));
-        (shown.sum::<f64>() / self.pixels as f64) as f32
-    }
-
-    fn relative_rmse(&self) -> f32 {
-        let white = self.white();
-        let squared = |&(predicted, actual): &(f32, f32)| {
-            f64::from(predicted.min(white) - actual.min(white)).powi(2)
-        };
-        let sum: f64 = self.luminances.iter().map(squared).sum();
-        let rmse = (sum / self.pixels as f64).sqrt() as f32;
-        if rmse == 0.0 { 0.0 } else { rmse / self.mean() }
-    }
-
-    fn trusted_share(&self) -> f32 {
-        if self.evaluations == 0 {
-            1.0
-        } else {
-            self.trusted as f32 / self.evaluations as f32
-        }
-    }
 }

@@ -154,11 +154,29 @@ impl<'a, V: Visibility> Observer<'a, V> {
         self.cells[place].region().proof(light)
     }
 
-    /// Counts a light that needs no rays from a point.
-    pub fn certain(&mut self, point: u32) {
-        let seen = &mut self.observations[point as usize];
-        seen.evaluations += 1;
-        seen.trusted += 1;
+    /// Counts for every point the lights that are settled there, and need no rays; and those that
+    /// could not be settled and get none, since `passes_over` says so.
+    pub fn count_settled(&mut self, passes_over: impl Fn(u32) -> bool) {
+        let counts = |cell: &&Lie| {
+            let lights = &cell.region().lights;
+            let (open, settled): (Vec<_>, Vec<_>) =
+                lights.iter().partition(|(_, proof)| *proof == Proof::Open);
+            let passed_over = open.iter().filter(|(light, _)| passes_over(*light));
+            (settled.len() as u32, passed_over.count() as u32)
+        };
+        let counts: Vec<(u32, u32)> = self.cells.iter().map(counts).collect();
+        for (seen, place) in self.observations.iter_mut().zip(&self.places) {
+            let (settled, passed_over) = counts[*place as usize];
+            seen.evaluations += settled + passed_over;
+            seen.trusted += settled;
+        }
+    }
+
+    /// Whether a light could not be settled in some cell, or nobody has tried.
+    #[must_use]
+    pub fn is_open(&self, light: u32) -> bool {
+        let mut cells = self.cells.iter();
+        cells.any(|cell| matches!(cell.region().proof(light), None | Some(Proof::Open)))
     }
 
     /// The observations, in the order of the points.

@@ -1,0 +1,183 @@
+//! Which surface points of a part of a view are worth a sample, and in which order.
+
+use glam::{UVec2, Vec3};
+use lie_accel::{PACKET, RayPacket};
+use lie_geom::{Hit, Ray};
+use lie_octree::{CellKey, Doubt, LieTree};
+use lie_render::World;
+use rayon::prelude::*;
+
+use super::view::{Square, ViewProgress};
+
+/// A surface point of a view, by what its camera ray met.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) pixel: UVec2,
+    pub(super) hit: Hit,
+    /// Where its shadow rays start.
+    origin: Vec3,
+    /// The deepest cell around that: neighbours in space follow each other by it.
+    code: CellKey,
+}
+
+/// Surface points of one neighbourhood: those of some whole cells, unless a cell has very many.
+#[derive(Debug)]
+pub(super) struct Cluster {
+    pub(super) places: Vec<Place>,
+    /// How much of these pixels' light is in doubt, in steps.
+    rank: u32,
+}
+
+/// What is left to learn of some squares of a view.
+#[derive(Default)]
+pub(super) struct Sheet {
+    /// What is worth a sample, the most worthwhile last.
+    pub(super) clusters: Vec<Cluster>,
+    /// The other pixels: without surface, or where nothing is in doubt.
+    pub(super) rest: u64,
+    /// Evaluations of lights in these that are answered for.
+    pub(super) answered: u64,
+}
+
+/// Points that a cluster has at most.
+const MOST: usize = 256;
+
+/// Share of a pixel's light that must be in doubt for the pixel to be worth a sample.
+const WORTH: f32 = 1.0 / 64.0;
+
+/// Steps that doubt is told apart by.
+const RANKS: f32 = 8.0;
+
+impl Sheet {
+    /// Looks at some squares: one camera ray for each pixel, and what the tree knows of what it
+    /// met. In the paper's mode every point is worth a sample.
+    pub(super) fn new(
+        world: &World,
+        tree: &LieTree,
+        progress: &ViewProgress,
+        squares: &[Square],
+    ) -> Self {
+        let squares_in_parallel = squares.par_iter().with_min_len(4);
+        let mut places: Vec<Place> = squares_in_parallel
+            .flat_map_iter(|&square| places(world, tree, progress, square))
+            .collect();
+        places.par_sort_by_key(|place| place.code);
+        let mut neighbourhoods = vec![];
+        divide(&places, 0, &mut neighbourhoods);
+        let weighed: Vec<(Cluster, u64)> = neighbourhoods
+            .into_par_iter()
+            .with_min_len(16)
+            .map(|places| weigh(world, tree, places))
+            .collect();
+        let pixels: u64 = squares.iter().map(Square::pixels).sum();
+        let mut sheet = Self {
+            rest: pixels,
+            ..Self::default()
+        };
+        for (cluster, answered) in weighed {
+            sheet.rest -= cluster.places.len() as u64;
+            sheet.answered += answered;
+            if !cluster.places.is_empty() {
+                sheet.clusters.push(cluster);
+            }
+        }
+        // Stable: what is as much in doubt comes in the order of its place.
+        sheet.clusters.reverse();
+        sheet.clusters.sort_by_key(|cluster| cluster.rank);
+        sheet
+    }
+}
+
+/// Puts clusters into the order of their places, and joins small neighbours: what is observed
+/// together.
+pub(super) fn join(mut clusters: Vec<Cluster>) -> Vec<Vec<Place>> {
+    clusters.sort_by_key(|cluster| cluster.places[0].code);
+    let mut joined: Vec<Vec<Place>> = vec![];
+    for Cluster { places, .. } in clusters {
+        match joined.last_mut() {
+            Some(last) if last.len() + places.len() <= MOST => last.extend(places),
+            _ => joined.push(places),
+        }
+    }
+    joined
+}
+
+impl Place {
+    /// What tells the neighbourhood's random numbers from others'.
+    pub(super) fn code(&self) -> u64 {
+        self.code.raw()
+    }
+}
+
+/// What the camera sees in a square's pixels, traced in packets of 4 × 4.
+fn places(world: &World, tree: &LieTree, progress: &ViewProgress, square: Square) -> Vec<Place> {
+    let cube = tree.cube();
+    let mut places = Vec::with_capacity(square.pixels() as usize);
+    for block in square.blocks() {
+        let mut rays = [Ray::new(Vec3::ZERO, Vec3::X); PACKET];
+        let mut pixels = [UVec2::ZERO; PACKET];
+        let mut len = 0;
+        for pixel in block {
+            (rays[len], pixels[len]) = (progress.camera_ray(pixel).0, pixel);
+            len += 1;
+        }
+        let hits = world.accel().closest_packet(&RayPacket::new(&rays[..len]));
+        for lane in 0..len {
+            let Some(hit) = hits[lane] else { continue };
+            let origin = world.scene().shadow_origin(&rays[lane], &hit);
+            places.push(Place {
+                pixel: pixels[lane],
+                hit,
+                origin,
+                code: cube.key_at(origin, CellKey::MAX_DEPTH),
+            });
+        }
+    }
+    places
+}
+
+/// Divides points in the order of their codes by the cells around them, until few are left.
+fn divide<'p>(places: &'p [Place], depth: u32, found: &mut Vec<&'p [Place]>) {
+    if places.len() <= MOST || depth == CellKey::MAX_DEPTH {
+        found.extend((!places.is_empty()).then_some(places));
+        return;
+    }
+    let cell = |place: &Place| place.code.raw() >> (3 * (CellKey::MAX_DEPTH - depth - 1));
+    for part in places.chunk_by(|a, b| cell(a) == cell(b)) {
+        divide(part, depth + 1, found);
+    }
+}
+
+/// Keeps the points where something is in doubt. Of the others, how many evaluations of lights
+/// are answered for.
+fn weigh(world: &World, tree: &LieTree, places: &[Place]) -> (Cluster, u64) {
+    let trust = tree.settings().trust;
+    let lights = world.scene().lights.len() as u32;
+    let mut kept = Cluster {
+        places: Vec::with_capacity(places.len()),
+        rank: 0,
+    };
+    let (mut sum, mut answered) = (0.0, 0);
+    let cell = |place: &Place| tree.lie_at(place.origin);
+    for part in places.chunk_by(|a, b| std::ptr::eq(cell(a), cell(b))) {
+        let lie = cell(&part[0]);
+        let known = lie.doubt(trust, lights);
+        for place in part {
+            // What is known of a cell is known of its region.
+            let is_told = trust == 0 || lie.region().bounds.contains(place.origin);
+            let doubt = if is_told { known } else { Doubt::WHOLE };
+            if trust == 0 || doubt.share >= WORTH {
+                sum += doubt.share;
+                kept.places.push(*place);
+            } else {
+                answered += u64::from(doubt.answered);
+            }
+        }
+    }
+    let mean = sum / kept.places.len().max(1) as f32;
+    kept.rank = (RANKS * mean).ceil() as u32;
+    (kept, answered)
+}
+
+#[cfg(test)]
+mod tests;
