@@ -2,14 +2,17 @@
 //! [`crate::World::for_each_light_ray`] does for one point, operation by operation, so the
 //! sums are the same bits.
 
+use glam::Vec3;
 use lie_accel::PACKET;
 use lie_geom::{OFFSET_ULPS, RandomKey, sampling::stratified};
 use lie_scene::{AreaLight, AreaShape};
 use multiversion::multiversion;
 
 use crate::{
-    light_rays::NEAR,
+    closed_form::{LEAST, Outlines},
+    light_rays::{NEAR, weight_factor},
     point_lanes::{Lanes, PointLanes, RadianceLanes, add, dot, larger, scale, subtract},
+    world::AreaForm,
 };
 
 /// How a light is sampled from points of one kind.
@@ -25,10 +28,17 @@ pub(crate) struct AreaSampling {
 }
 
 /// What one sample of the light gives each point if nothing is in the way.
+#[derive(Clone)]
 pub(crate) struct AreaLanes {
     /// Where its shadow ray ends.
     pub(crate) target: [Lanes; 3],
+    /// Of a sample that is weighed but not scaled yet, what the diffuse lobe reflects of the
+    /// light's radiance for an irradiance of 1.
     pub(crate) radiance: RadianceLanes,
+    /// What the specular lobe reflects of the light.
+    specular: RadianceLanes,
+    /// Irradiance from a light of radiance 1, in sr.
+    weight: Lanes,
     /// [`crate::LightRay::exact`].
     pub(crate) exact: [bool; PACKET],
 }
@@ -40,21 +50,125 @@ struct LightPointLanes {
     extent: Lanes,
 }
 
-/// The sample of this number; `keys` are the points' for this light.
-pub(crate) fn sample(
+/// All samples; `keys` are the points' for this light, `irradiance` what the closed form has for
+/// them, if it has anything. Of use in these `lanes` only.
+pub(crate) fn gather(
     points: &PointLanes,
-    light: &AreaLight,
+    form: AreaForm<'_>,
     keys: &[RandomKey; PACKET],
     sampling: AreaSampling,
-    sample: u32,
-) -> AreaLanes {
-    let places = places(light, keys, sampling.strata, sample);
-    if !points.is_glossy {
-        weigh_matt(points, light, &places, sampling)
-    } else if sampling.by_lobe == 0 {
-        weigh_glossy(points, light, &places, sampling)
-    } else {
-        weigh_smooth(points, light, &places, sampling)
+    (irradiance, lanes): (Option<&Lanes>, u32),
+    samples: &mut Vec<AreaLanes>,
+) {
+    samples.clear();
+    for number in 0..sampling.by_area {
+        let places = places(form.light, keys, sampling.strata, number);
+        let is_smooth = sampling.by_lobe > 0;
+        samples.push(match (points.is_glossy, is_smooth) {
+            (false, _) => weigh_matt(points, form.light, &places, sampling),
+            (true, false) => weigh_glossy(points, form.light, &places, sampling),
+            (true, true) => weigh_smooth(points, form.light, &places, sampling),
+        });
+    }
+    let weights = scale_all(samples, irradiance);
+    let Some(irradiance) = irradiance else { return };
+    let is_missed =
+        |lane: &usize| lanes >> lane & 1 == 1 && weights[*lane] == 0.0 && irradiance[*lane] > LEAST;
+    let mut missed = (0..PACKET).filter(is_missed).peekable();
+    if missed.peek().is_some() {
+        let mut only = AreaLanes::NOTHING;
+        for lane in missed {
+            only.aim(lane, points, form, sampling, irradiance[lane]);
+        }
+        samples.push(only);
+    }
+}
+
+/// What the diffuse lobe reflects of a light that nothing hides, by its closed form.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+pub(crate) fn reflect_all(
+    points: &PointLanes,
+    light: &AreaLight,
+    irradiance: &Lanes,
+) -> RadianceLanes {
+    let mut radiance = [[0.0; PACKET]; 3];
+    for channel in 0..3 {
+        for lane in 0..PACKET {
+            radiance[channel][lane] =
+                points.diffuse[channel][lane] * light.radiance[channel] * irradiance[lane];
+        }
+    }
+    radiance
+}
+
+/// Scales the weights to the irradiance of the closed form, and finishes the radiances. What
+/// the weights add up to.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+fn scale_all(samples: &mut [AreaLanes], irradiance: Option<&Lanes>) -> Lanes {
+    let mut weights = [0.0; PACKET];
+    for sample in &*samples {
+        for lane in 0..PACKET {
+            weights[lane] += sample.weight[lane];
+        }
+    }
+    let mut factors = [1.0; PACKET];
+    if let Some(irradiance) = irradiance {
+        for lane in 0..PACKET {
+            factors[lane] = weight_factor(irradiance[lane], weights[lane]);
+        }
+    }
+    for sample in samples {
+        for channel in 0..3 {
+            for lane in 0..PACKET {
+                let weight = sample.weight[lane] * factors[lane];
+                let value =
+                    sample.radiance[channel][lane] * weight + sample.specular[channel][lane];
+                sample.radiance[channel][lane] = value;
+            }
+        }
+    }
+    weights
+}
+
+impl AreaLanes {
+    const NOTHING: Self = Self {
+        target: [[0.0; PACKET]; 3],
+        radiance: [[0.0; PACKET]; 3],
+        specular: [[0.0; PACKET]; 3],
+        weight: [0.0; PACKET],
+        exact: [false; PACKET],
+    };
+
+    /// One ray for all of a light that no sample has found above the horizon.
+    #[cold]
+    fn aim(
+        &mut self,
+        lane: usize,
+        points: &PointLanes,
+        AreaForm { light, outlines }: AreaForm<'_>,
+        sampling: AreaSampling,
+        irradiance: f32,
+    ) -> Option<()> {
+        let at = |axes: &[Lanes; 3]| Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]);
+        let (position, normal) = (at(&points.position), at(&points.normal));
+        let point = Outlines::some_point(light, position, normal, at(&points.geometric_normal))?;
+        let (target, wi, _) = point.seen_from(position, light)?;
+        let reflection = points.reflect::<true, false>(lane, wi.to_array());
+        if reflection.cosine > 0.0 {
+            for axis in 0..3 {
+                self.target[axis][lane] = target[axis];
+                self.radiance[axis][lane] =
+                    reflection.diffuse[axis] * light.radiance[axis] * irradiance;
+            }
+            self.exact[lane] = !outlines?.is_far(position, sampling.by_area);
+        }
+        Some(())
     }
 }
 
@@ -169,11 +283,7 @@ fn weigh<const GLOSSY: bool, const SMOOTH: bool>(
     let light_radiance = light.radiance.to_array();
     let double_sided = light.double_sided;
     let (by_area, by_lobe) = (sampling.by_area as f32, sampling.by_lobe as f32);
-    let mut lanes = AreaLanes {
-        target: [[0.0; PACKET]; 3],
-        radiance: [[0.0; PACKET]; 3],
-        exact: [false; PACKET],
-    };
+    let mut lanes = AreaLanes::NOTHING;
     for lane in 0..PACKET {
         let at = |axes: &[Lanes; 3]| [axes[0][lane], axes[1][lane], axes[2][lane]];
         let (position, normal) = (at(&places.position), at(&places.normal));
@@ -201,17 +311,25 @@ fn weigh<const GLOSSY: bool, const SMOOTH: bool>(
             0.0
         };
         let share = area_share + lobe_share;
+        let weight = reflection.cosine / area_share;
         let mut carries = (cosine > 0.0) & (reciprocal > 0.0) & (reciprocal < f32::INFINITY);
-        let mut radiance = [0.0; 3];
-        for channel in 0..3 {
-            radiance[channel] = reflection.reflected[channel] * light_radiance[channel] / share;
-            carries &= radiance[channel].abs() < f32::INFINITY;
+        carries &= (reflection.cosine > 0.0) & (weight < f32::INFINITY);
+        let mut specular = [0.0; 3];
+        if GLOSSY {
+            for channel in 0..3 {
+                let reflected = reflection.specular[channel] * reflection.cosine;
+                specular[channel] = reflected * light_radiance[channel] / share;
+                carries &= specular[channel].abs() < f32::INFINITY;
+            }
         }
         for axis in 0..3 {
+            let diffuse = reflection.diffuse[axis] * light_radiance[axis];
             lanes.target[axis][lane] = target[axis];
-            lanes.radiance[axis][lane] = if carries { radiance[axis] } else { 0.0 };
+            lanes.radiance[axis][lane] = if carries { diffuse } else { 0.0 };
+            lanes.specular[axis][lane] = if carries { specular[axis] } else { 0.0 };
         }
-        lanes.exact[lane] = (lobe_share > area_share) | (share * NEAR < 1.0);
+        lanes.weight[lane] = if carries { weight } else { 0.0 };
+        lanes.exact[lane] = (lobe_share > area_share) | (area_share * NEAR < 1.0);
     }
     lanes
 }
@@ -225,7 +343,7 @@ mod tests {
     use lie_scene::{Gallery, LightKind, Scene, gallery};
 
     use super::*;
-    use crate::{Brdf, LightPoints, LightRay, World, light_rays::is_simple};
+    use crate::{Brdf, LightPoints, LightRay, World, light_rays::is_simple, world::LightForm};
 
     /// Rays that carry something, as lanes and the scalar code have them.
     #[derive(Default)]
@@ -285,7 +403,7 @@ mod tests {
                 }
             }
             for (index, light) in (0..).zip(&scene.lights) {
-                let LightKind::Area(area) = &light.kind else {
+                let LightForm::Area(form) = world.light_form(index) else {
                     continue;
                 };
                 for (lane, (surface, brdf, key)) in points.iter().enumerate() {
@@ -297,8 +415,8 @@ mod tests {
                     };
                     let mut expected = vec![];
                     world.for_each_light_ray(index, &light_points, |ray| expected.push(ray));
-                    let follow = brdf.is_smooth() && is_simple(area);
-                    let found = in_lane(&lanes, lane, index, area, strata, follow);
+                    let follow = brdf.is_smooth() && is_simple(form.light);
+                    let found = in_lane(&lanes, lane, index, form, strata, follow);
                     assert_eq!(found, expected, "light {}", light.name);
                     met.lit += found.len();
                     met.exact += found.iter().filter(|ray| ray.exact).count();
@@ -312,7 +430,7 @@ mod tests {
         points: &PointLanes,
         lane: usize,
         index: u32,
-        light: &AreaLight,
+        form: AreaForm<'_>,
         strata: (u32, u32),
         follow: bool,
     ) -> Vec<LightRay> {
@@ -324,9 +442,15 @@ mod tests {
             by_lobe,
         };
         let keys = points.keys.map(|key| key.mix(index.into()));
-        let samples =
-            (0..sampling.by_area).map(|number| sample(points, light, &keys, sampling, number));
+        let irradiance = form.outlines.map(|outlines| outlines.irradiances(points));
+        if irradiance.is_some_and(|irradiance| irradiance[lane] == 0.0) {
+            return vec![];
+        }
+        let mut samples = vec![];
+        let at = (irradiance.as_ref(), 1 << lane);
+        gather(points, form, &keys, sampling, at, &mut samples);
         samples
+            .into_iter()
             .map(|sample| {
                 let at = |axes: &[Lanes; 3]| Vec3::from(axes.map(|axis| axis[lane]));
                 LightRay {

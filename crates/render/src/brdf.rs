@@ -19,6 +19,14 @@ pub struct Brdf {
     pub(crate) cos_o: f32,
 }
 
+/// What a surface reflects from one direction, lobe by lobe, in sr⁻¹.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BrdfParts {
+    /// Albedo over π, without what the specular lobe reflects.
+    pub(crate) diffuse: Vec3,
+    pub(crate) specular: Vec3,
+}
+
 impl Brdf {
     /// Smallest GGX α: perceptual roughness 0.03. A perfect mirror shows no point light.
     const MIN_ALPHA: f32 = 1.0e-3;
@@ -46,12 +54,29 @@ impl Brdf {
     #[must_use]
     #[inline]
     pub fn times_cosine(&self, wi: Vec3) -> Vec3 {
-        let cos_i = self.normal.dot(wi);
-        if cos_i <= 0.0 || self.geometric_normal.dot(wi) <= 0.0 {
+        let Some(cos_i) = self.cosine(wi) else {
             return Vec3::ZERO;
-        }
+        };
+        let parts = self.parts(wi, cos_i);
+        (parts.diffuse + parts.specular) * cos_i
+    }
+
+    /// The cosine to a direction of unit length; `None` behind the surface or its shading
+    /// normal.
+    #[inline]
+    pub(crate) fn cosine(&self, wi: Vec3) -> Option<f32> {
+        let cos_i = self.normal.dot(wi);
+        (cos_i > 0.0 && self.geometric_normal.dot(wi) > 0.0).then_some(cos_i)
+    }
+
+    /// The two lobes for a direction above the surface, and its cosine.
+    #[inline]
+    pub(crate) fn parts(&self, wi: Vec3, cos_i: f32) -> BrdfParts {
         if self.is_matt() {
-            return self.diffuse * cos_i;
+            return BrdfParts {
+                diffuse: self.diffuse,
+                specular: Vec3::ZERO,
+            };
         }
         let half = (wi + self.wo).normalize_or(self.normal);
         let grazing = 1.0 - self.wo.dot(half).clamp(0.0, 1.0);
@@ -62,8 +87,10 @@ impl Brdf {
         let masking_o = cos_i * (self.cos_o * self.cos_o * (1.0 - a2) + a2).sqrt();
         let spread = self.spread(half);
         let lobe = 0.5 * a2 / (PI * spread * spread * (masking_i + masking_o));
-        let specular = fresnel * lobe;
-        (self.diffuse * (Vec3::ONE - fresnel) + specular) * cos_i
+        BrdfParts {
+            diffuse: self.diffuse * (Vec3::ONE - fresnel),
+            specular: fresnel * lobe,
+        }
     }
 
     /// Whether the surface is so smooth that a light is better found by where the surface

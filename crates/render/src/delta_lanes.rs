@@ -114,13 +114,13 @@ fn shade<const GLOSSY: bool>(points: &PointLanes, light: &DeltaLight) -> Radianc
         let cosine = -dot(wi, light.direction);
         let ramp = smaller((cosine - light.cos_outer) * light.ramp_slope, 1.0);
         let falloff = ramp * ramp;
-        let reflected = points.reflect::<GLOSSY, false>(lane, wi).reflected;
+        let reflected = points.reflect::<GLOSSY, false>(lane, wi);
         let mut carries =
             (cosine > light.cos_outer) & (reciprocal > 0.0) & (reciprocal < f32::INFINITY);
         let mut value = [0.0; 3];
         for channel in 0..3 {
             let irradiance = light.radiant_intensity[channel] * (reciprocal * reciprocal);
-            value[channel] = reflected[channel] * (irradiance * falloff);
+            value[channel] = reflected.times_cosine(channel) * (irradiance * falloff);
             carries &= value[channel].abs() < f32::INFINITY;
         }
         for channel in 0..3 {

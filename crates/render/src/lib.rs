@@ -34,6 +34,7 @@ mod brdf;
 mod camera_ray;
 mod cell;
 mod cell_answers;
+mod closed_form;
 mod delta_lanes;
 mod expected_error;
 mod film;

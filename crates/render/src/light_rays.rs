@@ -5,7 +5,12 @@ use lie_geom::{
 };
 use lie_scene::{AreaLight, Light, LightKind, LightPoint, Surface};
 
-use crate::{Brdf, World, luminance};
+use crate::{
+    Brdf, World,
+    closed_form::{LEAST, Outlines},
+    luminance,
+    world::{AreaForm, LightForm},
+};
 
 /// A shadow ray to be traced, with what it carries if nothing blocks it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,25 +53,47 @@ impl LightPoints<'_> {
         (count - by_lobe, by_lobe)
     }
 
-    /// Sample points on a light that [`World::for_each_light_ray`] evaluates.
-    pub(crate) fn evaluations(&self, world: &World, light: u32) -> u64 {
-        match world
-            .scene()
-            .lights
-            .get(light as usize)
-            .map(|light| &light.kind)
-        {
-            Some(LightKind::Area(area)) => u64::from(self.split(area).0),
-            Some(_) => 1,
-            None => 0,
+    /// What finding a light's rays takes: sample points on it that [`World::for_each_light_ray`]
+    /// evaluates, and edges where it is integrated in closed form. No sample points if all of
+    /// it is `known` to be clear, and this surface wants nothing but the closed form.
+    pub(crate) fn evaluations(&self, world: &World, light: u32, known: bool) -> u64 {
+        match world.light_form(light) {
+            LightForm::Area(AreaForm { light, outlines }) => {
+                let samples = u64::from(self.split(light).0);
+                let Some(outlines) = outlines else {
+                    return samples;
+                };
+                let spared = known && self.needs_no_samples(light, outlines)
+                    || self.irradiance(outlines) == 0.0;
+                outlines.edges() as u64 + if spared { 0 } else { samples }
+            }
+            LightForm::Delta(_) => 1,
+            LightForm::Other => u64::from(world.scene().lights.len() > light as usize),
         }
     }
 
-    /// The ray to a point of an area light, weighed by the balance heuristic over both
-    /// kinds of samples (Veach and Guibas 1995).
+    /// Whether the closed form is all there is to a light if nothing is in the way: the surface
+    /// reflects by Lambert's law alone, and no ray would be exact.
+    pub(crate) fn needs_no_samples(&self, light: &AreaLight, outlines: &Outlines) -> bool {
+        self.brdf.is_matt() && outlines.is_far(self.surface.position, self.split(light).0)
+    }
+
+    fn irradiance(&self, outlines: &Outlines) -> f32 {
+        let Brdf {
+            normal,
+            geometric_normal,
+            ..
+        } = *self.brdf;
+        outlines.irradiance(self.surface.position, normal, geometric_normal)
+    }
+
+    /// What comes from a point of an area light. The specular lobe is weighed by the balance
+    /// heuristic over both kinds of samples (Veach and Guibas 1995); the diffuse one has those
+    /// over the area to itself.
     #[inline]
-    fn ray_to(&self, index: u32, light: &AreaLight, point: LightPoint) -> Option<LightRay> {
+    fn sample_at(&self, light: &AreaLight, point: LightPoint) -> Option<AreaSample> {
         let (target, wi, area_density) = point.seen_from(self.surface.position, light)?;
+        let cosine = self.brdf.cosine(wi)?;
         let (by_area, by_lobe) = self.split(light);
         let lobe_density = if by_lobe > 0 {
             self.brdf.specular_density(wi)
@@ -75,10 +102,48 @@ impl LightPoints<'_> {
         };
         let (area_share, lobe_share) =
             (by_area as f32 * area_density, by_lobe as f32 * lobe_density);
-        let radiance = self.brdf.times_cosine(wi) * light.radiance / (area_share + lobe_share);
-        let share = area_share + lobe_share;
-        let exact = lobe_share > area_share || share * NEAR < 1.0;
-        LightRay::new(index, self.surface, target, radiance).map(|ray| LightRay { exact, ..ray })
+        let parts = self.brdf.parts(wi, cosine);
+        let sample = AreaSample {
+            target,
+            weight: cosine / area_share,
+            diffuse: parts.diffuse * light.radiance,
+            specular: parts.specular * cosine * light.radiance / (area_share + lobe_share),
+            exact: lobe_share > area_share || area_share * NEAR < 1.0,
+        };
+        (sample.weight.is_finite() && sample.specular.is_finite()).then_some(sample)
+    }
+
+    /// The ray to a point of an area light, as a sample over its area.
+    fn ray_to(&self, index: u32, light: &AreaLight, point: LightPoint) -> Option<LightRay> {
+        let sample = self.sample_at(light, point)?;
+        self.sample_ray(index, &sample, 1.0)
+    }
+
+    fn sample_ray(&self, index: u32, sample: &AreaSample, factor: f32) -> Option<LightRay> {
+        let radiance = sample.diffuse * (sample.weight * factor) + sample.specular;
+        let ray = LightRay::new(index, self.surface, sample.target, radiance)?;
+        Some(LightRay {
+            exact: sample.exact,
+            ..ray
+        })
+    }
+
+    /// One ray for all of a light that no sample has found above the horizon.
+    #[cold]
+    fn only_ray(&self, index: u32, form: AreaForm<'_>, irradiance: f32) -> Option<LightRay> {
+        let (position, brdf) = (self.surface.position, self.brdf);
+        let AreaForm { light, outlines } = form;
+        let point = Outlines::some_point(light, position, brdf.normal, brdf.geometric_normal)?;
+        let (target, wi, _) = point.seen_from(position, light)?;
+        let parts = brdf.parts(wi, brdf.cosine(wi)?);
+        let sample = AreaSample {
+            target,
+            weight: irradiance,
+            diffuse: parts.diffuse * light.radiance,
+            specular: Vec3::ZERO,
+            exact: !outlines?.is_far(position, self.split(light).0),
+        };
+        self.sample_ray(index, &sample, 1.0)
     }
 
     /// Directions that follow the specular lobe, the same for every light; none on rough
@@ -99,14 +164,41 @@ impl LightPoints<'_> {
     }
 }
 
+/// What one point of an area light gives, lobe by lobe.
+struct AreaSample {
+    target: Vec3,
+    /// Irradiance from a light of radiance 1, in sr.
+    weight: f32,
+    /// What of it the diffuse lobe reflects of the light's own radiance.
+    diffuse: Vec3,
+    /// Radiance that the specular lobe reflects.
+    specular: Vec3,
+    exact: bool,
+}
+
+/// By what the weights of samples are multiplied so that they add up to the irradiance that
+/// the closed form finds: a ratio estimator for what is in the way (Heitz, Hill and McGuire 2018,
+/// *Combining Analytic Direct Illumination and Stochastic Shadows*).
+#[inline(always)]
+pub(crate) fn weight_factor(irradiance: f32, weights: f32) -> f32 {
+    let factor = irradiance / weights;
+    if (weights > 0.0) & (factor < f32::INFINITY) {
+        factor
+    } else {
+        1.0
+    }
+}
+
 /// Solid angle in sr that one sample point of a light may stand for before it counts as near.
 pub(crate) const NEAR: f32 = 0.1;
 
 impl World {
     /// Calls `found` with the shadow rays to sample points on one light: one to a light
     /// without extent, stratified over the area of others. Their radiances, with those of
-    /// the rays that follow a smooth surface's lobe, add up to the light's whole. Rays that carry nothing,
-    /// whatever the visibility, are left out: from behind the surface, out of the cone, black.
+    /// the rays that follow a smooth surface's lobe, add up to the light's whole: what the
+    /// diffuse lobe reflects of it does so exactly, if the light is integrated in closed form.
+    /// Rays that carry nothing, whatever the visibility, are left out: from behind the surface,
+    /// out of the cone, black.
     #[inline]
     pub fn for_each_light_ray(
         &self,
@@ -117,7 +209,7 @@ impl World {
         let Some(light) = self.scene().lights.get(index as usize) else {
             return;
         };
-        let LightKind::Area(area) = &light.kind else {
+        if light.is_delta() {
             let sample = light.sample(points.surface.position, Vec2::ZERO, self.reach());
             let ray = sample.and_then(|sample| {
                 let radiance = points.brdf.times_cosine(sample.wi) * sample.normal_irradiance;
@@ -125,16 +217,9 @@ impl World {
             });
             ray.map(found);
             return;
-        };
-        let key = points.key.mix(u64::from(index));
-        let (count, _) = points.split(area);
-        let strata = sampling::strata(count);
-        for sample in 0..count {
-            let square = stratified(strata, sample, key.uniform2(sample));
-            let ray = area
-                .point(square)
-                .and_then(|point| points.ray_to(index, area, point));
-            ray.map(&mut found);
+        }
+        if let LightForm::Area(form) = self.light_form(index) {
+            area_rays(index, form, points, &mut found);
         }
     }
 
@@ -201,10 +286,45 @@ impl World {
             }
             for &direction in directions {
                 area.points_along(&Ray::new(points.surface.position, direction), |point| {
-                    points.ray_to(index, area, point).map(&mut found);
+                    let sample = points.sample_at(area, point);
+                    // The diffuse lobe has its samples.
+                    let ray = sample.and_then(|sample| points.sample_ray(index, &sample, 0.0));
+                    ray.map(&mut found);
                 });
             }
         }
+    }
+}
+
+/// The rays to sample points over an area light.
+fn area_rays(
+    index: u32,
+    form: AreaForm<'_>,
+    points: &LightPoints<'_>,
+    found: &mut impl FnMut(LightRay),
+) {
+    let irradiance = form.outlines.map(|outlines| points.irradiance(outlines));
+    if irradiance == Some(0.0) {
+        return;
+    }
+    let key = points.key.mix(u64::from(index));
+    let (count, _) = points.split(form.light);
+    let strata = sampling::strata(count);
+    let mut samples = Vec::with_capacity(count as usize);
+    samples.extend((0..count).filter_map(|sample| {
+        let square = stratified(strata, sample, key.uniform2(sample));
+        points.sample_at(form.light, form.light.point(square)?)
+    }));
+    let weights = samples.iter().fold(0.0, |sum, sample| sum + sample.weight);
+    let factor = irradiance.map_or(1.0, |irradiance| weight_factor(irradiance, weights));
+    for sample in &samples {
+        points.sample_ray(index, sample, factor).map(&mut *found);
+    }
+    match irradiance {
+        Some(irradiance) if weights == 0.0 && irradiance > LEAST => {
+            points.only_ray(index, form, irradiance).map(found);
+        }
+        _ => {}
     }
 }
 

@@ -1,7 +1,6 @@
 use glam::Vec3;
 use lie_accel::{FanOccluders, PACKET, RayPacket};
 use lie_geom::{Ray, sampling};
-use lie_scene::AreaLight;
 use multiversion::multiversion;
 
 use crate::{
@@ -12,7 +11,7 @@ use crate::{
     occluder_lists::OpenLists,
     point_lanes::{Lanes, PointLanes, RadianceLanes, carrying},
     shading_point::ShadingPoint,
-    world::LightForm,
+    world::{AreaForm, LightForm},
 };
 
 /// What groups work on.
@@ -25,6 +24,8 @@ pub(crate) struct GroupWork<'a> {
     pub(crate) sums: &'a mut [Vec3],
     /// Rays that must go through the scene whatever the cell says, with their pixels.
     pub(crate) exact: &'a mut Vec<(usize, LightRay)>,
+    /// Kept for what it has allocated.
+    pub(crate) samples: &'a mut Vec<AreaLanes>,
 }
 
 /// What partially occluded lights are worked out in; kept for what it has allocated.
@@ -42,6 +43,17 @@ pub(crate) struct PointGroup<'a> {
     /// Each lane's pixel.
     pixels: [usize; PACKET],
     len: usize,
+}
+
+/// An area light as a group sees it.
+struct SeenArea<'a> {
+    /// Its number.
+    index: u32,
+    form: AreaForm<'a>,
+    /// What the closed form has, in sr.
+    irradiance: Option<Lanes>,
+    /// Lanes that it may light.
+    lanes: u32,
 }
 
 impl<'a> PointGroup<'a> {
@@ -91,8 +103,10 @@ impl<'a> PointGroup<'a> {
         for light in cell.unoccluded.iter() {
             match work.world.light_form(light) {
                 LightForm::Delta(light) => add(&mut total, &light.shade(&self.points), u32::MAX),
-                LightForm::Area(area) => {
-                    self.area_lit(light, area, &mut total, work, |_, _| 0);
+                LightForm::Area(form) => {
+                    let mut seen = self.see(light, form);
+                    self.area_open(&mut seen, work.strata, &mut total);
+                    self.area_lit(&seen, &mut total, work, |_, _| 0);
                 }
                 LightForm::Other => {}
             }
@@ -127,12 +141,13 @@ impl<'a> PointGroup<'a> {
                         });
                     }
                 }
-                LightForm::Area(area) => {
+                LightForm::Area(form) => {
                     for (group, total) in groups.iter().zip(&mut *totals) {
                         let blocked = |sample: &AreaLanes, lit| {
                             lists.blocked(list, &group.segments(sample, lit), world.cutout())
                         };
-                        rays += group.area_lit(list.light, area, total, work, blocked);
+                        let seen = group.see(list.light, form);
+                        rays += group.area_lit(&seen, total, work, blocked);
                     }
                 }
                 LightForm::Other => {}
@@ -161,9 +176,7 @@ impl<'a> PointGroup<'a> {
                 // Mostly, in a cell, none does or all.
                 LightForm::Delta(light) if !light.reaches_any(&self.points) => 0,
                 LightForm::Delta(light) => self.delta_lit(light, &mut total, blocked),
-                LightForm::Area(area) => {
-                    self.area_traced(light, area, &mut total, world, work.strata)
-                }
+                LightForm::Area(form) => self.area_traced(&self.see(light, form), &mut total, work),
                 LightForm::Other => 0,
             };
         };
@@ -192,25 +205,52 @@ impl<'a> PointGroup<'a> {
         u64::from(lit.count_ones())
     }
 
+    /// What an area light could give the group.
+    fn see<'l>(&self, index: u32, form: AreaForm<'l>) -> SeenArea<'l> {
+        let outlines = form.outlines;
+        let irradiance = outlines.map(|outlines| outlines.irradiances(&self.points));
+        let all = (1 << self.len) - 1;
+        SeenArea {
+            index,
+            form,
+            lanes: irradiance.map_or(all, |irradiance| all & positive(&irradiance)),
+            irradiance,
+        }
+    }
+
+    /// Adds an area light that nothing hides to the lanes where its closed form is all there is
+    /// to it, and takes them out of `seen`.
+    fn area_open(&self, seen: &mut SeenArea<'_>, strata: (u32, u32), total: &mut RadianceLanes) {
+        let (Some(irradiance), Some(outlines)) = (&seen.irradiance, seen.form.outlines) else {
+            return;
+        };
+        let lanes = seen.lanes & self.points.matt;
+        if lanes != 0 {
+            let lanes = lanes & outlines.far(&self.points, strata.0 * strata.1);
+            let radiance = area_lanes::reflect_all(&self.points, seen.form.light, irradiance);
+            add(total, &radiance, lanes);
+            seen.lanes &= !lanes;
+        }
+    }
+
     /// Adds an area light where `blocked` lets it through; exact rays are left to be traced.
     /// How many rays that took.
     fn area_lit(
         &self,
-        index: u32,
-        light: &AreaLight,
+        seen: &SeenArea<'_>,
         total: &mut RadianceLanes,
         work: &mut GroupWork<'_>,
         mut blocked: impl FnMut(&AreaLanes, u32) -> u32,
     ) -> u64 {
         let mut count = 0;
-        self.for_each_sample(index, light, work.strata, |sample, lit| {
+        self.for_each_sample(seen, work.strata, work.samples, |sample, lit| {
             let exact = bits(&sample.exact) & lit;
             if exact != 0 {
-                self.leave(index, &sample, exact, work.exact);
+                self.leave(seen.index, sample, exact, work.exact);
             }
             let lit = lit & !exact;
             if lit != 0 {
-                add(total, &sample.radiance, lit & !blocked(&sample, lit));
+                add(total, &sample.radiance, lit & !blocked(sample, lit));
                 count += u64::from(lit.count_ones());
             }
         });
@@ -220,15 +260,14 @@ impl<'a> PointGroup<'a> {
     /// Adds an area light, exact rays and all, where the scene lets it through.
     fn area_traced(
         &self,
-        index: u32,
-        light: &AreaLight,
+        seen: &SeenArea<'_>,
         total: &mut RadianceLanes,
-        world: &World,
-        strata: (u32, u32),
+        work: &mut GroupWork<'_>,
     ) -> u64 {
         let mut count = 0;
-        self.for_each_sample(index, light, strata, |sample, lit| {
-            let blocked = world.accel().blocked_packet(&self.segments(&sample, lit));
+        let accel = work.world.accel();
+        self.for_each_sample(seen, work.strata, work.samples, |sample, lit| {
+            let blocked = accel.blocked_packet(&self.segments(sample, lit));
             add(total, &sample.radiance, lit & !blocked);
             count += u64::from(lit.count_ones());
         });
@@ -238,20 +277,19 @@ impl<'a> PointGroup<'a> {
     /// Calls `found` with each sample of an area light, and the lanes it could light.
     fn for_each_sample(
         &self,
-        index: u32,
-        light: &AreaLight,
+        seen: &SeenArea<'_>,
         strata: (u32, u32),
-        mut found: impl FnMut(AreaLanes, u32),
+        samples: &mut Vec<AreaLanes>,
+        mut found: impl FnMut(&AreaLanes, u32),
     ) {
-        let keys = self.points.keys.map(|key| key.mix(u64::from(index)));
-        let smooth = if is_simple(light) {
+        let keys = self.points.keys.map(|key| key.mix(u64::from(seen.index)));
+        let smooth = if is_simple(seen.form.light) {
             self.points.smooth
         } else {
             0
         };
-        let lanes = (1 << self.len) - 1;
         let count = strata.0 * strata.1;
-        for (lanes, by_lobe) in [(lanes & !smooth, 0), (lanes & smooth, count / 2)] {
+        for (lanes, by_lobe) in [(seen.lanes & !smooth, 0), (seen.lanes & smooth, count / 2)] {
             if lanes == 0 {
                 continue;
             }
@@ -261,8 +299,9 @@ impl<'a> PointGroup<'a> {
                 by_area,
                 by_lobe,
             };
-            for number in 0..by_area {
-                let sample = area_lanes::sample(&self.points, light, &keys, sampling, number);
+            let at = (seen.irradiance.as_ref(), lanes);
+            area_lanes::gather(&self.points, seen.form, &keys, sampling, at, samples);
+            for sample in &*samples {
                 let lit = carrying(&sample.radiance) & lanes;
                 if lit != 0 {
                     found(sample, lit);
@@ -327,6 +366,11 @@ fn add(total: &mut RadianceLanes, radiance: &RadianceLanes, lanes: u32) {
             total[channel][lane] += if given { radiance[channel][lane] } else { 0.0 };
         }
     }
+}
+
+/// The lanes that are above zero.
+fn positive(lanes: &Lanes) -> u32 {
+    bits(&lanes.map(|value| value > 0.0))
 }
 
 /// Bit `i` for lane `i`.

@@ -24,10 +24,10 @@ pub(crate) struct PointLanes {
     pub(crate) origin: [Lanes; 3],
     /// Box around those.
     pub(crate) origins: Aabb,
-    normal: [Lanes; 3],
-    geometric_normal: [Lanes; 3],
+    pub(crate) normal: [Lanes; 3],
+    pub(crate) geometric_normal: [Lanes; 3],
     wo: [Lanes; 3],
-    diffuse: [Lanes; 3],
+    pub(crate) diffuse: [Lanes; 3],
     f0: [Lanes; 3],
     f90: Lanes,
     /// GGX α, squared.
@@ -39,6 +39,8 @@ pub(crate) struct PointLanes {
     pub(crate) is_glossy: bool,
     /// Lanes that are so smooth that lights are followed along their lobe.
     pub(crate) smooth: u32,
+    /// Lanes that reflect by Lambert's law alone.
+    pub(crate) matt: u32,
     /// Each lane's random numbers.
     pub(crate) keys: [RandomKey; PACKET],
 }
@@ -62,6 +64,7 @@ impl PointLanes {
             root_o: [1.0; PACKET],
             is_glossy: false,
             smooth: 0,
+            matt: 0,
             keys: [RandomKey::new(0); PACKET],
         }
     }
@@ -85,16 +88,30 @@ impl PointLanes {
         self.root_o[lane] = (brdf.cos_o * brdf.cos_o * (1.0 - a2) + a2).sqrt();
         self.is_glossy |= !brdf.is_matt();
         self.smooth |= u32::from(brdf.is_smooth()) << lane;
+        self.matt |= u32::from(brdf.is_matt()) << lane;
         self.keys[lane] = key;
     }
 }
 
 /// How a point reflects light from one direction.
 pub(crate) struct Reflection {
-    /// [`Brdf::times_cosine`].
-    pub(crate) reflected: [f32; 3],
+    /// [`Brdf::parts`].
+    pub(crate) diffuse: [f32; 3],
+    pub(crate) specular: [f32; 3],
+    /// [`Brdf::cosine`], 0 for none.
+    pub(crate) cosine: f32,
     /// [`Brdf::specular_density`], if it was asked for.
     pub(crate) density: f32,
+}
+
+impl Reflection {
+    /// [`Brdf::times_cosine`].
+    #[inline(always)]
+    pub(crate) fn times_cosine(&self, channel: usize) -> f32 {
+        let value = (self.diffuse[channel] + self.specular[channel]) * self.cosine;
+        // The lobe is undefined behind the surface.
+        if self.cosine > 0.0 { value } else { 0.0 }
+    }
 }
 
 impl PointLanes {
@@ -115,30 +132,29 @@ impl PointLanes {
         lane: usize,
         wi: [f32; 3],
     ) -> Reflection {
-        let (normal, f0, f90) = (
-            self.at(&self.normal, lane),
-            self.at(&self.f0, lane),
-            self.f90[lane],
-        );
+        let normal = self.at(&self.normal, lane);
         let cos_i = dot(normal, wi);
         let faces = (cos_i > 0.0) & (dot(self.at(&self.geometric_normal, lane), wi) > 0.0);
-        let diffuse = self.at(&self.diffuse, lane);
-        let mut reflected = [diffuse[0] * cos_i, diffuse[1] * cos_i, diffuse[2] * cos_i];
+        let (mut diffuse, mut specular) = (self.at(&self.diffuse, lane), [0.0; 3]);
         let mut density = 0.0;
         if GLOSSY {
+            let (f0, f90) = (self.at(&self.f0, lane), self.f90[lane]);
             let lobe = self.lobe::<DENSITY>(lane, wi, cos_i);
             density = lobe.density;
             let matt = (f90 == 0.0) & (f0[0] == 0.0) & (f0[1] == 0.0) & (f0[2] == 0.0);
             for channel in 0..3 {
                 let fresnel = f0[channel] + (f90 - f0[channel]) * lobe.grazing5;
-                let glossy = (diffuse[channel] * (1.0 - fresnel) + fresnel * lobe.height) * cos_i;
-                reflected[channel] = if matt { reflected[channel] } else { glossy };
+                let under = diffuse[channel] * (1.0 - fresnel);
+                diffuse[channel] = if matt { diffuse[channel] } else { under };
+                specular[channel] = if matt { 0.0 } else { fresnel * lobe.height };
             }
         }
-        for channel in 0..3 {
-            reflected[channel] = if faces { reflected[channel] } else { 0.0 };
+        Reflection {
+            diffuse,
+            specular,
+            cosine: if faces { cos_i } else { 0.0 },
+            density,
         }
-        Reflection { reflected, density }
     }
 
     #[inline(always)]

@@ -10,6 +10,7 @@ use lie_scene::{Camera, CameraFilm, RenderSettings};
 
 use crate::{
     Brdf, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
+    area_lanes::AreaLanes,
     one_by_one::OneByOne,
     point_group::{GroupWork, ListScratch, PointGroup},
     shading_point::ShadingPoint,
@@ -79,6 +80,7 @@ pub fn render_tile(
         order: vec![],
         groups: vec![],
         exact: vec![],
+        samples: vec![],
         scratch: ListScratch::default(),
         cancelled,
     };
@@ -124,6 +126,7 @@ struct TileRenderer<'a> {
     order: Vec<(usize, u32)>,
     groups: Vec<PointGroup<'a>>,
     exact: Vec<(usize, LightRay)>,
+    samples: Vec<AreaLanes>,
     scratch: ListScratch,
     cancelled: &'a AtomicBool,
 }
@@ -157,6 +160,7 @@ impl TileRenderer<'_> {
                 stats: &mut self.stats,
                 sums: &mut sums,
                 exact: &mut self.exact,
+                samples: &mut self.samples,
             };
             if self.lies.is_some() {
                 self.groups

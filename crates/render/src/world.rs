@@ -5,7 +5,7 @@ use lie_accel::{Accel, AccelKind, Cutout, PACKET, RayPacket};
 use lie_geom::{Ray, Triangle};
 use lie_scene::{AreaLight, LightKind, Material, Scene, Surface};
 
-use crate::{delta_lanes::DeltaLight, light_rays::follows_lobe};
+use crate::{closed_form::Outlines, delta_lanes::DeltaLight, light_rays::follows_lobe};
 
 /// A scene that rays can be shot into.
 pub struct World {
@@ -13,6 +13,8 @@ pub struct World {
     accel: Box<dyn Accel>,
     /// For each light, its form for lanes, if it has one.
     delta_lights: Vec<Option<DeltaLight>>,
+    /// For each light, its outlines, if it is integrated in closed form.
+    outlines: Vec<Option<Outlines>>,
     /// Numbers of the lights that have none and no area either.
     other_lights: Vec<u32>,
     has_lobe_lights: bool,
@@ -25,9 +27,16 @@ pub(crate) enum LightForm<'a> {
     /// A point or a spot.
     Delta(&'a DeltaLight),
     /// An area light.
-    Area(&'a AreaLight),
+    Area(AreaForm<'a>),
     /// Anything else, or no light at all.
     Other,
+}
+
+/// An area light, with its outlines if it is integrated in closed form.
+#[derive(Clone, Copy)]
+pub(crate) struct AreaForm<'a> {
+    pub(crate) light: &'a AreaLight,
+    pub(crate) outlines: Option<&'a Outlines>,
 }
 
 impl World {
@@ -47,7 +56,12 @@ impl World {
         let delta_lights: Vec<_> = lights.iter().map(DeltaLight::new).collect();
         let is_other =
             |light: &u32| matches!(lights[*light as usize].kind, LightKind::Directional { .. });
+        let outlines = lights.iter().map(|light| match &light.kind {
+            LightKind::Area(area) => Outlines::new(area),
+            _ => None,
+        });
         Self {
+            outlines: outlines.collect(),
             other_lights: (0..lights.len() as u32).filter(is_other).collect(),
             delta_lights,
             has_holes,
@@ -82,7 +96,10 @@ impl World {
         match self.delta_lights.get(light as usize) {
             Some(Some(delta)) => LightForm::Delta(delta),
             Some(None) => match &self.scene.lights[light as usize].kind {
-                LightKind::Area(area) => LightForm::Area(area),
+                LightKind::Area(area) => LightForm::Area(AreaForm {
+                    light: area,
+                    outlines: self.outlines[light as usize].as_ref(),
+                }),
                 _ => LightForm::Other,
             },
             None => LightForm::Other,

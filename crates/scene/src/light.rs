@@ -212,11 +212,7 @@ impl AreaLight {
         }
         for triangle in &self.triangles {
             if let Some(hit) = triangle.intersect(ray) {
-                found(LightPoint {
-                    position: ray.at(hit.t),
-                    normal: triangle.normal,
-                    extent: triangle.extent(),
-                });
+                found(LightPoint::on(triangle, ray.at(hit.t)));
             }
         }
     }
@@ -234,6 +230,16 @@ pub struct LightPoint {
 }
 
 impl LightPoint {
+    /// A place on one of a light's triangles.
+    #[must_use]
+    pub fn on(triangle: &Triangle, position: Vec3) -> Self {
+        Self {
+            position,
+            normal: triangle.normal,
+            extent: triangle.extent(),
+        }
+    }
+
     /// Longest edge of the triangle or rectangle that it lies on, in metres.
     #[must_use]
     #[inline]

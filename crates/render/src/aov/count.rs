@@ -32,7 +32,7 @@ pub(super) fn count_point(
 
 fn count_unoccluded(world: &World, cell: &LieCell, points: &LightPoints<'_>, work: &mut Work) {
     for light in cell.unoccluded.iter() {
-        work.lane_evaluations += points.evaluations(world, light);
+        work.lane_evaluations += points.evaluations(world, light, true);
         world.for_each_light_ray(light, points, |ray| {
             work.shadow_rays += u64::from(ray.exact);
         });
@@ -41,7 +41,7 @@ fn count_unoccluded(world: &World, cell: &LieCell, points: &LightPoints<'_>, wor
 
 fn count_partial(world: &World, cell: &LieCell, points: &LightPoints<'_>, work: &mut Work) {
     for (light, occluders) in cell.partial.lights() {
-        work.lane_evaluations += points.evaluations(world, light);
+        work.lane_evaluations += points.evaluations(world, light, false);
         world.for_each_light_ray(light, points, |ray| {
             if ray.exact {
                 work.shadow_rays += 1;
@@ -60,14 +60,14 @@ fn count_traced(
     work: &mut Work,
 ) {
     for light in lights {
-        work.lane_evaluations += points.evaluations(world, light);
+        work.lane_evaluations += points.evaluations(world, light, false);
         world.for_each_light_ray(light, points, |_| work.shadow_rays += 1);
     }
 }
 
 /// Which lights are tested depends on what the tests find: they are made.
 fn count_ward(world: &World, threshold: f32, points: &LightPoints<'_>, work: &mut Work) {
-    let evaluations = all_lights(world).map(|light| points.evaluations(world, light));
+    let evaluations = all_lights(world).map(|light| points.evaluations(world, light, false));
     work.single_evaluations += evaluations.sum::<u64>();
     let never = AtomicBool::new(false);
     let point = std::iter::once((0, *points));

@@ -9,8 +9,8 @@ use crate::RenderStats;
 pub struct Work {
     /// Camera rays.
     pub primary_rays: u64,
-    /// Lights and sample points on lights, at surface points: evaluated sixteen pixels at a
-    /// time.
+    /// Lights, sample points on lights, and edges of lights that are integrated, at surface
+    /// points: evaluated sixteen pixels at a time.
     pub lane_evaluations: u64,
     /// Those that adaptive shadow testing evaluates one by one.
     pub single_evaluations: u64,
@@ -29,7 +29,7 @@ impl Work {
         self.lane_tests
     }
 
-    /// Lights and sample points on lights that were evaluated.
+    /// Lights, sample points on lights and edges of lights that were evaluated.
     #[must_use]
     pub fn evaluations(&self) -> u64 {
         self.lane_evaluations + self.single_evaluations

@@ -7,6 +7,7 @@
 mod area_lights;
 mod determinism;
 mod furnace;
+mod partly_hidden;
 mod point_lights;
 mod reflection;
 mod seen;
