@@ -49,6 +49,7 @@ mod pixel_light;
 mod point_group;
 mod point_lanes;
 mod shading_point;
+mod shadow_cache;
 mod shadow_queue;
 mod stats;
 mod tile;

@@ -11,6 +11,7 @@ use crate::{
     occluder_lists::OpenLists,
     point_lanes::{Lanes, PointLanes, RadianceLanes, carrying},
     shading_point::ShadingPoint,
+    shadow_cache::ShadowCache,
     world::{AreaForm, LightForm},
 };
 
@@ -20,6 +21,7 @@ pub(crate) struct GroupWork<'a> {
     /// Sample points on an area light, as columns and rows.
     pub(crate) strata: (u32, u32),
     pub(crate) stats: &'a mut RenderStats,
+    pub(crate) cache: &'a mut ShadowCache,
     /// Each pixel's light so far.
     pub(crate) sums: &'a mut [Vec3],
     /// Rays that must go through the scene whatever the cell says, with their pixels.
@@ -171,7 +173,8 @@ impl<'a> PointGroup<'a> {
         let world = work.world;
         let mut total = self.take(work.sums);
         let trace = |light: u32| {
-            let blocked = |rays: &RayPacket| world.accel().blocked_packet(rays);
+            let cache = &mut *work.cache;
+            let blocked = |rays: &RayPacket| self.blocked(world, cache, light, rays);
             work.stats.shadow_rays += match world.light_form(light) {
                 // Mostly, in a cell, none does or all.
                 LightForm::Delta(light) if !light.reaches_any(&self.points) => 0,
@@ -257,6 +260,16 @@ impl<'a> PointGroup<'a> {
         count
     }
 
+    /// Which rays to a light the scene blocks. In a cell whatever blocks many of them is known
+    /// already, and what blocked the last ones is of little use.
+    #[inline]
+    fn blocked(&self, world: &World, cache: &mut ShadowCache, light: u32, rays: &RayPacket) -> u32 {
+        match self.cell {
+            Some(_) => world.accel().blocked_packet(rays),
+            None => cache.blocked(world, light, rays),
+        }
+    }
+
     /// Adds an area light, exact rays and all, where the scene lets it through.
     fn area_traced(
         &self,
@@ -265,9 +278,10 @@ impl<'a> PointGroup<'a> {
         work: &mut GroupWork<'_>,
     ) -> u64 {
         let mut count = 0;
-        let accel = work.world.accel();
+        let GroupWork { world, cache, .. } = work;
         self.for_each_sample(seen, work.strata, work.samples, |sample, lit| {
-            let blocked = accel.blocked_packet(&self.segments(sample, lit));
+            let rays = self.segments(sample, lit);
+            let blocked = self.blocked(world, cache, seen.index, &rays);
             add(total, &sample.radiance, lit & !blocked);
             count += u64::from(lit.count_ones());
         });

@@ -14,6 +14,7 @@ use crate::{
     one_by_one::OneByOne,
     point_group::{GroupWork, ListScratch, PointGroup},
     shading_point::ShadingPoint,
+    shadow_cache::ShadowCache,
 };
 
 /// All that a frame's pixels depend on, beside scene, camera and LIEs.
@@ -82,6 +83,7 @@ pub fn render_tile(
         exact: vec![],
         samples: vec![],
         scratch: ListScratch::default(),
+        cache: ShadowCache::new(world.scene().lights.len()),
         cancelled,
     };
     let mut sums = vec![Vec3::ZERO; (tile.size.x * tile.size.y) as usize];
@@ -128,6 +130,7 @@ struct TileRenderer<'a> {
     exact: Vec<(usize, LightRay)>,
     samples: Vec<AreaLanes>,
     scratch: ListScratch,
+    cache: ShadowCache,
     cancelled: &'a AtomicBool,
 }
 
@@ -158,6 +161,7 @@ impl TileRenderer<'_> {
                 world: self.world,
                 strata,
                 stats: &mut self.stats,
+                cache: &mut self.cache,
                 sums: &mut sums,
                 exact: &mut self.exact,
                 samples: &mut self.samples,

@@ -143,6 +143,19 @@ impl RayPacket {
         }
     }
 
+    /// Some lanes hit nothing any more: bit `i` for ray `i`.
+    #[inline]
+    pub fn leave_out(&mut self, rays: u32) {
+        finish(rays, &mut self.t_max);
+    }
+
+    /// Whether no lane hits anything.
+    #[must_use]
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.active() == 0
+    }
+
     /// The lanes that look for anything: bit `i` for ray `i`.
     #[inline(always)]
     fn active(&self) -> u32 {
