@@ -115,7 +115,7 @@ fn what_is_certain_holds_everywhere_in_a_region() {
                     let expected = match proof {
                         Proof::Unoccluded => false,
                         Proof::Hidden => true,
-                        Proof::Behind(list) => list.iter().any(|&triangle| {
+                        Proof::Behind(list) => list.iter().any(|triangle| {
                             world.triangle(triangle).unwrap().intersect(&ray).is_some()
                         }),
                         Proof::Open => continue,

@@ -42,6 +42,7 @@ mod proof;
 mod replica;
 mod snapshot;
 mod tree;
+mod triangle_set;
 
 pub use doubt::Doubt;
 pub use evidence::{LightEvidence, Mask, Occluder};
@@ -55,3 +56,4 @@ pub use proof::{Proof, Region};
 pub use replica::{CellBody, CellState, LieState, LitLight, Replica};
 pub use snapshot::{TREE_FORMAT, TreeError, TreeFit};
 pub use tree::{Cell, Cube, Octree};
+pub use triangle_set::TriangleSet;

@@ -241,12 +241,11 @@ impl Lie {
 
     /// Whether what shaders rely on says otherwise than a ray that met `blocker`, or nothing.
     pub(crate) fn is_contradicted(&self, light: u32, blocker: Option<u32>, trust: u32) -> bool {
-        let names = |list: &[u32], triangle| list.contains(&triangle);
         match (self.standing(light, trust), blocker) {
             (Standing::Doubtful | Standing::Crowded, _) => false,
             (Standing::Certain, _) => match (self.region.proof(light), blocker) {
                 (Some(Proof::Unoccluded), blocker) => blocker.is_some(),
-                (Some(Proof::Behind(list)), Some(triangle)) => !names(list, triangle),
+                (Some(Proof::Behind(list)), Some(triangle)) => !list.contains(triangle),
                 (Some(Proof::Hidden), blocker) => blocker.is_none(),
                 _ => false,
             },
@@ -314,7 +313,7 @@ impl Lie {
         lights.extend(self.region.lights.iter().filter_map(|(light, proof)| {
             let occluders = match proof {
                 Proof::Unoccluded => vec![],
-                Proof::Behind(list) => list.to_vec(),
+                Proof::Behind(list) => list.iter().collect(),
                 Proof::Hidden | Proof::Open => return None,
             };
             Some(LitLight {

@@ -1,5 +1,7 @@
 use lie_geom::Aabb;
 
+use crate::TriangleSet;
+
 /// What is certain of a light everywhere in a cell's region, whatever samples say.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Proof {
@@ -8,7 +10,7 @@ pub enum Proof {
     /// Every segment to it is blocked.
     Hidden,
     /// Nothing but these triangles can be in the way.
-    Behind(Box<[u32]>),
+    Behind(TriangleSet),
     /// It could not be settled: samples have to do.
     Open,
 }
@@ -73,6 +75,10 @@ impl Region {
 
     /// Heap memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.lights[..]) + self.listed() * size_of::<u32>()
+        let lists = self.lights.iter().map(|(_, proof)| match proof {
+            Proof::Behind(list) => list.bytes(),
+            _ => 0,
+        });
+        size_of_val(&self.lights[..]) + lists.sum::<usize>()
     }
 }

@@ -158,11 +158,10 @@ impl Prover {
 }
 
 /// Nothing but these triangles is in the way.
-fn listed(mut found: Vec<u32>) -> Proof {
+fn listed(found: Vec<u32>) -> Proof {
     if found.is_empty() {
         return Proof::Unoccluded;
     }
-    found.sort_unstable();
     Proof::Behind(found.into())
 }
 

@@ -191,7 +191,7 @@ impl Inspector<'_> {
         match (self.lie.region().proof(light), evidence) {
             (Some(Proof::Behind(list)), _) => list
                 .iter()
-                .map(|&triangle| report(triangle, false))
+                .map(|triangle| report(triangle, false))
                 .collect(),
             (_, Some(entry)) => entry
                 .occluders

@@ -187,7 +187,7 @@ impl Nodes<'_> {
             let proof = match verdict {
                 verdict::UNOCCLUDED => Proof::Unoccluded,
                 verdict::HIDDEN => Proof::Hidden,
-                verdict::BEHIND => Proof::Behind(self.triangles(|triangle, _| triangle)?),
+                verdict::BEHIND => Proof::Behind(self.triangles(|triangle, _| triangle)?.into()),
                 _ => Proof::Open,
             };
             lights.push((light, proof));
@@ -237,13 +237,13 @@ impl Nodes<'_> {
             evidence.withheld = luminance(bytes)?;
         }
         if is_set(flag::OCCLUDERS) {
-            evidence.occluders = self.triangles(Occluder::new)?;
+            evidence.occluders = self.triangles(Occluder::new)?.into();
         }
         Ok(evidence)
     }
 
     /// Triangles, each with a bit.
-    fn triangles<T>(&mut self, element: impl Fn(u32, bool) -> T) -> Result<Box<[T]>, TreeError> {
+    fn triangles<T>(&mut self, element: impl Fn(u32, bool) -> T) -> Result<Vec<T>, TreeError> {
         let count = self.bytes.count(1)?;
         let mut list = Vec::with_capacity(count);
         let mut before = 0;
@@ -252,7 +252,7 @@ impl Nodes<'_> {
             list.push(element(triangle, bit));
             before = triangle;
         }
-        Ok(list.into())
+        Ok(list)
     }
 }
 

@@ -94,7 +94,7 @@ fn region(out: &mut Writer, region: &Region) {
                 out.number(skipped | verdict::BEHIND);
                 out.number(list.len() as u64);
                 let mut before = 0;
-                for &triangle in list {
+                for triangle in list.iter() {
                     out.difference(before, triangle, false);
                     before = triangle;
                 }

@@ -32,7 +32,7 @@ fn listed(tree: &LieTree, wrong: &Mismatch) -> Vec<u32> {
     match lie.standing(wrong.light, tree.settings().trust) {
         Standing::Lit(entry) => entry.occluders.iter().map(|own| own.triangle()).collect(),
         Standing::Certain => match lie.region().proof(wrong.light) {
-            Some(Proof::Behind(list)) => list.to_vec(),
+            Some(Proof::Behind(list)) => list.iter().collect(),
             _ => vec![],
         },
         Standing::Hidden | Standing::Crowded | Standing::Doubtful => vec![],
