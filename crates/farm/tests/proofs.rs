@@ -96,9 +96,9 @@ fn what_is_certain_holds_everywhere_in_a_region() {
         let mut seen = [0; 4];
         for (number, lie) in (0..).zip(cells(&builder, &world)) {
             let region = lie.region();
-            for (light, proof) in &region.lights {
-                let light_form = &world.scene().lights[*light as usize];
-                let key = RandomKey::new(number).mix(u64::from(*light));
+            for (light, proof) in region.lights() {
+                let light_form = &world.scene().lights[light as usize];
+                let key = RandomKey::new(number).mix(u64::from(light));
                 for n in 0..6 {
                     let place = place_in(region.bounds, key, n);
                     let square = key.mix(1).uniform2(n);
@@ -171,7 +171,7 @@ fn without_proofs_nothing_is_certain() {
     let world = worlds().remove(0);
     let builder = construct(&world, 0, false);
     let cells = cells(&builder, &world);
-    assert!(cells.iter().all(|lie| lie.region().lights.is_empty()));
+    assert!(cells.iter().all(|lie| lie.region().is_empty()));
 }
 
 #[test]

@@ -205,7 +205,7 @@ impl Lie {
         settings: &LieSettings,
     ) {
         for seen in samples.clone() {
-            if self.region.lights.is_empty() {
+            if self.region.is_empty() {
                 let point = Aabb::around([seen.point]);
                 self.region.bounds = self.region.bounds.union(point);
             }
@@ -310,16 +310,13 @@ impl Lie {
             .filter(trusted)
             .map(LightEvidence::to_lit);
         let mut lights: Vec<LitLight> = sampled.collect();
-        lights.extend(self.region.lights.iter().filter_map(|(light, proof)| {
+        lights.extend(self.region.lights().filter_map(|(light, proof)| {
             let occluders = match proof {
                 Proof::Unoccluded => vec![],
                 Proof::Behind(list) => list.iter().collect(),
                 Proof::Hidden | Proof::Open => return None,
             };
-            Some(LitLight {
-                light: *light,
-                occluders,
-            })
+            Some(LitLight { light, occluders })
         }));
         lights.sort_unstable_by_key(|lit| lit.light);
         LieState {

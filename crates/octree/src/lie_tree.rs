@@ -251,8 +251,7 @@ impl LieTree {
         let too_complex = lie.complexity(settings.crowd) > settings.split_threshold as usize;
         let dense = group.len() >= settings.split_samples as usize;
         // Where something was to be proven, whoever tried it splits.
-        let is_open = |entry: &(u32, Proof)| entry.1 == Proof::Open;
-        let is_free = !lie.region().lights.iter().any(is_open);
+        let is_free = !lie.region().lights().any(|entry| entry.1 == Proof::Open);
         if is_free && too_complex && dense && key.depth() < settings.max_depth {
             *lie = before;
             self.split(key);
@@ -338,8 +337,8 @@ impl LieTree {
             let Cell::Leaf(lie) = cell else { return };
             let region = lie.region();
             let is_certain = |entry: &LightEvidence| region.is_settled(entry.light);
-            let one_verdict = region.lights.is_sorted_by(|a, b| a.0 < b.0)
-                && !lie.lights().chain(lie.hidden()).any(is_certain);
+            let one_verdict =
+                region.is_valid() && !lie.lights().chain(lie.hidden()).any(is_certain);
             let rising = lie.lights().is_sorted_by(|a, b| a.light < b.light)
                 && lie.hidden().is_sorted_by(|a, b| a.light < b.light);
             let counted = |entry: &LightEvidence| {

@@ -55,10 +55,8 @@ fn region() -> impl Strategy<Value = Region> {
         vec(0..TRIANGLES, 1..9).prop_map(|list| Proof::Behind(list.into())),
     ];
     let lights = prop::collection::btree_map(0..LIGHTS, proof, 0..6);
-    (point(), point(), lights).prop_map(|(a, b, lights)| Region {
-        bounds: Aabb::around([a, b]),
-        lights: lights.into_iter().collect(),
-    })
+    (point(), point(), lights)
+        .prop_map(|(a, b, lights)| Region::new(Aabb::around([a, b]), lights.into_iter().collect()))
 }
 
 fn event() -> impl Strategy<Value = Event> {

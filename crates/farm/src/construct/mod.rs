@@ -270,10 +270,7 @@ impl Builder {
             let mut next = BTreeMap::new();
             for (key, region, points) in settled {
                 let Some(region) = region else { continue };
-                let open = region
-                    .lights
-                    .iter()
-                    .filter(|(_, proof)| *proof == Proof::Open);
+                let open = region.lights().filter(|(_, proof)| *proof == Proof::Open);
                 let lie = self.tree.lie_at(origin(&points[0]));
                 let complexity = lie.complexity_with(&region, settings.crowd)
                     + open.count() * settings.crowd as usize;

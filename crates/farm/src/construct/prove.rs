@@ -86,9 +86,9 @@ impl Prover {
                 continue;
             }
             let proof = match (before, above.and_then(|above| above.proof(light))) {
-                (Some(before), _) if holds => before.clone(),
+                (Some(before), _) if holds => before.cloned(),
                 // What holds of the whole holds of its parts.
-                (_, Some(proof @ (Proof::Unoccluded | Proof::Hidden))) => proof.clone(),
+                (_, Some(proof @ (Proof::Unoccluded | Proof::Hidden))) => proof.cloned(),
                 _ => {
                     is_news = true;
                     self.prove(world, light, bounds)
@@ -98,7 +98,7 @@ impl Prover {
                 lights.push((light, proof));
             }
         }
-        is_news.then_some(Region { bounds, lights })
+        is_news.then(|| Region::new(bounds, lights))
     }
 
     /// Whether a light is one that cells are told of whenever it may reach them.

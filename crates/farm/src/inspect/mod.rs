@@ -140,7 +140,7 @@ impl Inspector<'_> {
             name,
             kind,
             class: self.class(light),
-            open: self.lie.region().proof(light) == Some(&Proof::Open),
+            open: self.lie.region().proof(light) == Some(Proof::Open),
             answer: match share.answer {
                 LightAnswer::Unoccluded => Answer::Unoccluded,
                 LightAnswer::Listed(_) => Answer::List,

@@ -30,10 +30,7 @@ fn seen(times: u32, importance: f32) -> Lie {
 }
 
 fn settle(lie: &mut Lie, lights: &[(u32, Proof)]) {
-    lie.settle(Region {
-        bounds: Aabb::around([Vec3::ZERO]),
-        lights: lights.to_vec(),
-    });
+    lie.settle(Region::new(Aabb::around([Vec3::ZERO]), lights.to_vec()));
 }
 
 fn check(lie: &Lie, trust: u32, share: f32, answered: u32) {

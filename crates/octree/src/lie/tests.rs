@@ -178,15 +178,15 @@ fn what_is_certain_comes_before_what_samples_say() {
     for _ in 0..8 {
         record(&mut lie, &[(0, SEEN), (1, Some(7)), (2, SEEN), (4, SEEN)]);
     }
-    let region = Region {
-        bounds: Aabb::around([Vec3::ZERO, Vec3::ONE]),
-        lights: vec![
+    let region = Region::new(
+        Aabb::around([Vec3::ZERO, Vec3::ONE]),
+        vec![
             (0, Proof::Hidden),
             (1, Proof::Unoccluded),
             (3, Proof::Behind([8, 9].into())),
             (4, Proof::Open),
         ],
-    };
+    );
     lie.settle(region.clone());
     assert_eq!(lie.evidence(0), None, "it is not needed any more");
     assert_eq!(standing(&lie, 0, 2), "certain");

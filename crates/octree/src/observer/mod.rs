@@ -7,7 +7,7 @@ use lie_geom::{RandomKey, Ray};
 
 use crate::{
     GROUP, Lie, LieTree, LightEvidence, Observation, Occluder, Outcome, Proof, ShadowRay, Standing,
-    Visibility,
+    TriangleSet, Visibility,
 };
 
 /// Known occluders that are asked before the scene: the first that were found are those
@@ -149,7 +149,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
 
     /// What is certain of how a light reaches a point; `None` if nobody has tried to settle it.
     #[must_use]
-    pub fn proof(&self, point: u32, light: u32) -> Option<&'a Proof> {
+    pub fn proof(&self, point: u32, light: u32) -> Option<Proof<&'a TriangleSet>> {
         let place = self.places[point as usize] as usize;
         self.cells[place].region().proof(light)
     }
@@ -158,11 +158,14 @@ impl<'a, V: Visibility> Observer<'a, V> {
     /// could not be settled and get none, since `passes_over` says so.
     pub fn count_settled(&mut self, passes_over: impl Fn(u32) -> bool) {
         let counts = |cell: &&Lie| {
-            let lights = &cell.region().lights;
-            let (open, settled): (Vec<_>, Vec<_>) =
-                lights.iter().partition(|(_, proof)| *proof == Proof::Open);
-            let passed_over = open.iter().filter(|(light, _)| passes_over(*light));
-            (settled.len() as u32, passed_over.count() as u32)
+            let (mut settled, mut passed_over) = (0, 0);
+            for (light, proof) in cell.region().lights() {
+                match proof {
+                    Proof::Open => passed_over += u32::from(passes_over(light)),
+                    _ => settled += 1,
+                }
+            }
+            (settled, passed_over)
         };
         let counts: Vec<(u32, u32)> = self.cells.iter().map(counts).collect();
         for (seen, place) in self.observations.iter_mut().zip(&self.places) {

@@ -93,17 +93,14 @@ fn what_is_certain_doubtful_or_crowded_is_never_wrong() {
     check(&lie, 2, TRUST, 0.0);
     for proof in [Proof::Unoccluded, Proof::Hidden, Proof::Behind([3].into())] {
         let mut settled = lie.clone();
-        settled.settle(Region {
-            bounds: Aabb::around([Vec3::ZERO]),
-            lights: vec![(0, proof)],
-        });
+        settled.settle(Region::new(Aabb::around([Vec3::ZERO]), vec![(0, proof)]));
         check(&settled, 0, TRUST, 0.0);
     }
     // Where geometry was asked in vain, four times as many rays must agree.
-    lie.settle(Region {
-        bounds: Aabb::around([Vec3::ZERO]),
-        lights: vec![(0, Proof::Open)],
-    });
+    lie.settle(Region::new(
+        Aabb::around([Vec3::ZERO]),
+        vec![(0, Proof::Open)],
+    ));
     assert_eq!(
         (lie.needed(0, TRUST), lie.needed(1, TRUST)),
         (4 * TRUST, TRUST)

@@ -192,7 +192,7 @@ impl Nodes<'_> {
             };
             lights.push((light, proof));
         }
-        Ok(Region { bounds, lights })
+        Ok(Region::new(bounds, lights))
     }
 
     /// A light, counted from the first that may come `next`, and the lowest bits beside it.

@@ -81,9 +81,9 @@ fn region(out: &mut Writer, region: &Region) {
     out.byte(1);
     out.vector(region.bounds.min);
     out.vector(region.bounds.max);
-    out.number(region.lights.len() as u64);
+    out.number(region.len() as u64);
     let mut next = 0;
-    for (light, proof) in &region.lights {
+    for (light, proof) in region.lights() {
         let skipped = u64::from(light - next) << verdict::BITS;
         next = light + 1;
         match proof {

@@ -48,14 +48,14 @@ fn tree() -> LieTree {
         tree.record(&samples);
     }
     let key = tree.key_at(Vec3::splat(-0.5));
-    let region = Region {
-        bounds: Aabb::around([Vec3::splat(-0.6), Vec3::splat(-0.4)]),
-        lights: vec![
+    let region = Region::new(
+        Aabb::around([Vec3::splat(-0.6), Vec3::splat(-0.4)]),
+        vec![
             (0, Proof::Behind([9, 4, 99].into())),
             (1, Proof::Hidden),
             (3, Proof::Open),
         ],
-    };
+    );
     tree.settle(key, region);
     tree.commit();
     tree

@@ -77,19 +77,16 @@ fn plant(builder: &mut Builder) -> usize {
             continue;
         }
         let region = builder.tree.lie_at(bounds.center()).region();
-        let wrong = region.lights.iter().map(|(light, proof)| {
+        let wrong = region.lights().map(|(light, proof)| {
             let proof = match proof {
                 Proof::Hidden => Proof::Unoccluded,
                 Proof::Unoccluded => Proof::Hidden,
-                other => other.clone(),
+                other => other.cloned(),
             };
-            (*light, proof)
+            (light, proof)
         });
-        let wrong = Region {
-            bounds: region.bounds,
-            lights: wrong.collect(),
-        };
-        planted += wrong.lights.len();
+        let wrong = Region::new(region.bounds, wrong.collect());
+        planted += wrong.len();
         builder.tree.settle(key, wrong);
     }
     planted
