@@ -31,14 +31,14 @@ impl Proof<&TriangleSet> {
 
 /// Where a cell's surfaces have been seen, and what is certain there.
 ///
-/// Invariants: lights rise; there is a list for each that is behind one, in the same order.
+/// Invariants: lights rise; there is one list for each that is behind one, in the same order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     /// Box around the places that shadow rays start from.
     pub bounds: Aabb,
     /// Lights that somebody has tried to settle: the number, and the verdict in the lowest bits.
     verdicts: Box<[u32]>,
-    lists: Box<[(u32, TriangleSet)]>,
+    lists: Box<[TriangleSet]>,
 }
 
 /// Bits of a verdict.
@@ -64,7 +64,7 @@ impl Region {
                 Proof::Unoccluded => UNOCCLUDED,
                 Proof::Hidden => HIDDEN,
                 Proof::Behind(list) => {
-                    lists.push((light, list));
+                    lists.push(list);
                     BEHIND
                 }
                 Proof::Open => OPEN,
@@ -81,17 +81,9 @@ impl Region {
     /// Lights that somebody has tried to settle, in order of their number.
     pub fn lights(&self) -> impl Iterator<Item = (u32, Proof<&TriangleSet>)> {
         let mut lists = self.lists.iter();
-        self.verdicts.iter().map(move |entry| {
-            let proof = match entry & ((1 << BITS) - 1) {
-                UNOCCLUDED => Proof::Unoccluded,
-                HIDDEN => Proof::Hidden,
-                OPEN => Proof::Open,
-                _ => lists
-                    .next()
-                    .map_or(Proof::Open, |(_, list)| Proof::Behind(list)),
-            };
-            (entry >> BITS, proof)
-        })
+        self.verdicts
+            .iter()
+            .map(move |entry| (entry >> BITS, proof_of(*entry, || lists.next())))
     }
 
     /// Whether nobody has tried to settle any light.
@@ -110,32 +102,28 @@ impl Region {
     #[must_use]
     pub fn proof(&self, light: u32) -> Option<Proof<&TriangleSet>> {
         let place = self.place(light)?;
-        Some(match self.verdicts[place] & ((1 << BITS) - 1) {
-            UNOCCLUDED => Proof::Unoccluded,
-            HIDDEN => Proof::Hidden,
-            OPEN => Proof::Open,
-            _ => {
-                let list = self.lists.binary_search_by_key(&light, |entry| entry.0);
-                list.map_or(Proof::Open, |place| Proof::Behind(&self.lists[place].1))
-            }
-        })
+        let list = || self.lists.get(self.lists_before(place));
+        Some(proof_of(self.verdicts[place], list))
     }
 
     /// Whether something is certain of a light.
     #[must_use]
     pub fn is_settled(&self, light: u32) -> bool {
-        let verdict = |place: usize| self.verdicts[place] & ((1 << BITS) - 1);
-        self.place(light)
-            .is_some_and(|place| verdict(place) != OPEN)
+        let is_open = |place: usize| verdict_of(self.verdicts[place]) == OPEN;
+        self.place(light).is_some_and(|place| !is_open(place))
     }
 
     /// Takes back what was certain of a light.
     pub(crate) fn reopen(&mut self, light: u32) {
-        if let Some(place) = self.place(light) {
-            self.verdicts[place] |= OPEN;
-            let lists = std::mem::take(&mut self.lists).into_vec();
-            self.lists = lists.into_iter().filter(|list| list.0 != light).collect();
+        let Some(place) = self.place(light) else {
+            return;
+        };
+        if verdict_of(self.verdicts[place]) == BEHIND {
+            let mut lists = std::mem::take(&mut self.lists).into_vec();
+            lists.remove(self.lists_before(place));
+            self.lists = lists.into();
         }
+        self.verdicts[place] |= OPEN;
     }
 
     /// Lights that are certain to reach some of it.
@@ -150,25 +138,98 @@ impl Region {
     /// Triangles in all of its lists.
     #[must_use]
     pub fn listed(&self) -> usize {
-        self.lists.iter().map(|(_, list)| list.len()).sum()
+        self.lists.iter().map(TriangleSet::len).sum()
     }
 
     /// Whether its invariants hold; for tests.
     pub(crate) fn is_valid(&self) -> bool {
-        let behind = self.verdicts.iter().filter(|&entry| entry & OPEN == BEHIND);
-        let behind = behind.map(|entry| entry >> BITS);
         self.verdicts.is_sorted_by(|a, b| a >> BITS < b >> BITS)
-            && behind.eq(self.lists.iter().map(|list| list.0))
+            && self.lists_before(self.verdicts.len()) == self.lists.len()
     }
 
     /// Heap memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let lists: usize = self.lists.iter().map(|(_, list)| list.bytes()).sum();
+        let lists: usize = self.lists.iter().map(TriangleSet::bytes).sum();
         size_of_val(&self.verdicts[..]) + size_of_val(&self.lists[..]) + lists
+    }
+
+    /// Lists of the lights before the one at a place.
+    fn lists_before(&self, place: usize) -> usize {
+        let before = self.verdicts[..place].iter();
+        before.filter(|&&entry| verdict_of(entry) == BEHIND).count()
     }
 
     fn place(&self, light: u32) -> Option<usize> {
         let number = |entry: &u32| entry >> BITS;
         self.verdicts.binary_search_by_key(&light, number).ok()
+    }
+}
+
+/// A verdict as it is held.
+fn verdict_of(entry: u32) -> u32 {
+    entry & ((1 << BITS) - 1)
+}
+
+fn proof_of<'a>(
+    entry: u32,
+    list: impl FnOnce() -> Option<&'a TriangleSet>,
+) -> Proof<&'a TriangleSet> {
+    match verdict_of(entry) {
+        UNOCCLUDED => Proof::Unoccluded,
+        HIDDEN => Proof::Hidden,
+        BEHIND => list().map_or(Proof::Open, Proof::Behind),
+        _ => Proof::Open,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lights() -> Vec<(u32, Proof)> {
+        vec![
+            (1, Proof::Behind([4, 2].into())),
+            (3, Proof::Hidden),
+            (4, Proof::Unoccluded),
+            (7, Proof::Behind([9].into())),
+            (8, Proof::Open),
+            (9, Proof::Behind([1, 300].into())),
+        ]
+    }
+
+    fn check(region: &Region, expected: &[(u32, Proof)]) {
+        assert!(region.is_valid());
+        let found = region
+            .lights()
+            .map(|(light, proof)| (light, proof.cloned()));
+        assert_eq!(found.collect::<Vec<_>>(), expected);
+        for light in 0..12 {
+            let known = expected.iter().find(|entry| entry.0 == light);
+            let known = known.map(|entry| &entry.1);
+            assert_eq!(region.proof(light).map(Proof::cloned).as_ref(), known);
+            let is_settled = known.is_some_and(|proof| *proof != Proof::Open);
+            assert_eq!(region.is_settled(light), is_settled);
+        }
+    }
+
+    #[test]
+    fn what_is_certain_comes_out_as_it_went_in() {
+        let region = Region::new(Aabb::EMPTY, lights());
+        check(&region, &lights());
+        assert_eq!((region.len(), region.lit(), region.listed()), (6, 4, 5));
+        check(&Region::default(), &[]);
+    }
+
+    #[test]
+    fn what_is_taken_back_is_open_and_has_no_list() {
+        let mut region = Region::new(Aabb::EMPTY, lights());
+        let mut expected = lights();
+        for (place, light) in [(3, 7), (1, 3), (4, 8), (0, 1)] {
+            region.reopen(light);
+            expected[place].1 = Proof::Open;
+            check(&region, &expected);
+        }
+        region.reopen(100);
+        check(&region, &expected);
     }
 }
