@@ -24,7 +24,6 @@ use crate::{
 #[derive(Clone, Copy, Debug)]
 pub struct Shaft {
     apex: [f32; 3],
-    ends: Aabb,
     /// Box around all of it: minima and maxima by axis.
     around: [[f32; 3]; 2],
     /// The least and the largest way from the apex to the box, by axis.
@@ -108,7 +107,6 @@ impl Shaft {
         let (min, max) = (ends.min.to_array(), ends.max.to_array());
         let mut shaft = Self {
             apex,
-            ends,
             around: [min, max],
             ways: [[0.0; 3]; 2],
             sides: [Side {
