@@ -45,6 +45,15 @@ impl Region {
         self.proof(light).is_some_and(|proof| *proof != Proof::Open)
     }
 
+    /// Lights that something is certain of.
+    pub(crate) fn settled(&self) -> impl Iterator<Item = u32> {
+        let settled = self
+            .lights
+            .iter()
+            .filter(|(_, proof)| *proof != Proof::Open);
+        settled.map(|(light, _)| *light)
+    }
+
     /// Takes back what was certain of a light.
     pub(crate) fn reopen(&mut self, light: u32) {
         let place = self.lights.binary_search_by_key(&light, |entry| entry.0);
