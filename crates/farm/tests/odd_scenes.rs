@@ -420,12 +420,16 @@ fn lights_on_surfaces_and_inside_of_them() {
 /// From a million metres away distances are coarse: a proof must say what the rays do.
 #[test]
 fn lights_outside_of_the_scene() {
-    let lights = [
+    let mut lights = vec![
         point([3.0e5, 1.0e6, 2.0e5], 1.0e12),
         point([0.0, 1.0, -1.0e4], 1.0e8),
         spot([0.0, 1.0e3, 10.0], [0.0, 0.0, 0.0], 1.0e6),
         point([0.0, -5.0, 0.0], 100.0),
     ];
+    for turn in 0..8 {
+        let (sine, cosine) = (0.3 + turn as f32).sin_cos();
+        lights.push(point([1.0e5 * sine, 5.0e4, 1.0e5 * cosine], 1.0e10));
+    }
     check(&world(&boxes(), &lights, &OUT_AND_IN));
 }
 
