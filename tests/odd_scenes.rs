@@ -1,5 +1,6 @@
 //! Scenes at the edges of what there is, through the real binary: a camera in solid matter, one
-//! light, a thousand lights, parameters out of range.
+//! light, a thousand lights, geometry that is hardly there, parameters out of range. What is known of
+//! odd scenes is tested more closely in `crates/farm/tests/odd_scenes.rs`.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -100,6 +101,80 @@ fn a_thousand_lights_are_not_too_many() {
     for (film, most) in [(ward, 0.05), (lie, 0.005)] {
         let figures = lie_render::compare(&film, &standard, 0.0).unwrap();
         assert!(figures.relative_rmse < most, "{figures:?}");
+    }
+}
+
+/// An OBJ file with wires thinner than a pixel, a sheet that is there twice, a box, and triangles
+/// without area.
+fn hardly_there(home: &Path) {
+    let mut text = String::from("v 0 0 0\nv 1 0 0\nv 1 0 0\nf 1 2 3\nf 1 1 1\n");
+    let mut polygon = |corners: &[[f32; 3]]| {
+        for [x, y, z] in corners {
+            writeln!(text, "v {x:?} {y:?} {z:?}").unwrap();
+        }
+        let numbers: Vec<String> = (1..=corners.len()).map(|back| format!("-{back}")).collect();
+        writeln!(text, "f {}", numbers.join(" ")).unwrap();
+    };
+    for wire in 0..200 {
+        let x = 0.02 * wire as f32 - 2.0;
+        polygon(&[
+            [x, 0.5, -3.0],
+            [x + 1.0e-4, 0.5, -3.0],
+            [x + 0.3, 2.5, -1.5],
+        ]);
+    }
+    for _ in 0..2 {
+        polygon(&[
+            [-1.0, 3.0, -4.0],
+            [1.0, 3.0, -4.0],
+            [1.0, 3.0, -2.0],
+            [-1.0, 3.0, -2.0],
+        ]);
+    }
+    // A box, from one corner along three edges and back from the other.
+    for [at, u, v] in [
+        [[1.0, 0.2, -2.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        [[1.0, 0.2, -2.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        [[1.0, 0.2, -2.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
+        [[2.0, 1.2, -1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]],
+        [[2.0, 1.2, -1.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
+        [[2.0, 1.2, -1.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]],
+    ] {
+        let [at, u, v] = [at, u, v].map(glam::Vec3::from_array);
+        polygon(&[at, at + u, at + u + v, at + v].map(|corner| corner.to_array()));
+    }
+    std::fs::write(home.join("thin.obj"), text).unwrap();
+}
+
+#[test]
+fn thin_and_coincident_geometry_under_odd_lights_looks_as_it_is() {
+    let home = tempfile::tempdir().unwrap();
+    hardly_there(home.path());
+    let mut text = String::from("[[geometry]]\nfile = \"thin.obj\"\n");
+    // One that is seen, one in the sheet, in the box, at its corner, very far away, behind the
+    // back wall; one of no power, and one of next to none.
+    for (position, power) in [
+        ([0.0f32, 5.0, -1.0], 40.0f32),
+        ([0.2, 3.0, -3.0], 4.0),
+        ([1.5, 0.7, -1.5], 50.0),
+        ([2.0, 1.2, -1.0], 4.0),
+        ([1.0e4, 2.0e4, 1.0e5], 1.0e10),
+        ([0.0, 2.0, -9.0], 50.0),
+        ([-1.0, 4.0, 0.0], 0.0),
+        ([1.0, 4.0, 0.0], 4.0e-8),
+    ] {
+        let radiant_intensity = [power; 3];
+        writeln!(text, "[[light]]\nkind = \"point\"\nposition = {position:?}").unwrap();
+        writeln!(text, "radiant_intensity = {radiant_intensity:?}").unwrap();
+    }
+    let path = scene(home.path(), &text);
+    let standard = render(&path, "standard", &[]);
+    assert!(brightest(&standard) > 0.0);
+    // What is certain is exact; what is relied on, nearly so.
+    for (trust, most) in [("512", 0.001), ("4000000000", 1.0e-6)] {
+        let film = render(&path, "lie", &["--trust", trust]);
+        let figures = lie_render::compare(&film, &standard, 0.0).unwrap();
+        assert!(figures.relative_rmse < most, "trust {trust}: {figures:?}");
     }
 }
 

@@ -1,11 +1,10 @@
 //! Measurement: what is measured and written is in `lie-bench`; here are its arguments.
 
+mod course;
 mod figure4;
 mod output;
 mod report;
 mod subject;
-
-use std::time::Duration;
 
 use clap::{Args, Subcommand};
 use lie_bench::{
@@ -16,6 +15,7 @@ use lie_bench::{
 use lie_farm::ConstructSettings;
 
 use self::{
+    course::Course,
     figure4::Figure4,
     output::{Output, progress_bar, teller},
     report::Report,
@@ -67,7 +67,8 @@ pub(crate) struct Table2 {
 /// pass over the picture, a half, one, two, four and so on.
 ///
 /// Once as in the paper, relying on what little is known, and once with trust, which traces
-/// what is in doubt.
+/// what is in doubt; --modes names others, and --ablation takes all of them. The options under
+/// Construction hold for every mode, but for what makes it one.
 #[derive(Args)]
 pub(crate) struct Converge {
     #[command(flatten)]
@@ -119,18 +120,6 @@ struct Learning {
     max_passes: u64,
     #[command(flatten)]
     construction: Construction,
-}
-
-/// How convergence is followed.
-#[derive(Args, Clone, Copy)]
-struct Course {
-    /// Seconds for each scene's way to convergence; no step begins after them.
-    #[arg(long, default_value = "300", value_parser = subject::seconds, value_name = "SECONDS")]
-    limit: Duration,
-    /// Frames of a walk along the scene's first walkthrough, whose worst error is told; 0 is
-    /// none.
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=1000), value_name = "N")]
-    walk_frames: u32,
 }
 
 /// Passes over the picture after which a course is given up that its limit has not ended.
@@ -278,20 +267,6 @@ impl Learning {
     fn samples(&self, stage: &Stage) -> Option<u64> {
         let passes = self.passes.map(|passes| passes * stage.pixels());
         passes.or(self.construction.samples)
-    }
-}
-
-impl Course {
-    /// What is the same for every scene; the rest is to be filled in.
-    fn config(self, construct: ConstructSettings) -> ConvergeConfig {
-        ConvergeConfig {
-            construct,
-            threads: 0,
-            repeat: 1,
-            max_samples: 0,
-            walk_frames: self.walk_frames,
-            limit: Some(self.limit),
-        }
     }
 }
 

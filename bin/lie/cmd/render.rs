@@ -9,7 +9,7 @@ use std::{
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use lie_farm::{
-    BatchReport, Builder, ConstructSettings, LieReplica, Snapshot, View,
+    BatchReport, Builder, ConstructSettings, LieReplica, Order, Snapshot, View,
     snapshot::{self, SnapshotFile},
 };
 use lie_octree::LieTree;
@@ -118,6 +118,10 @@ pub(crate) struct Construction {
     /// 0 and with --masking.
     #[arg(long)]
     no_proofs: bool,
+    /// Sample every point that a view shows, in the order of space, in each pass, instead of
+    /// those where most of a pixel's light is in doubt.
+    #[arg(long)]
+    in_order: bool,
 }
 
 impl Construction {
@@ -138,6 +142,7 @@ impl Construction {
         let flags = [
             self.from_scratch.then(|| "--from-scratch".into()),
             self.no_proofs.then(|| "--no-proofs".into()),
+            self.in_order.then(|| "--in-order".into()),
         ];
         given
             .into_iter()
@@ -156,6 +161,9 @@ impl Construction {
         settings.lie.masking = self.masking.unwrap_or(settings.lie.masking);
         settings.lie.inherit = !self.from_scratch;
         settings.proofs = !self.no_proofs;
+        if self.in_order {
+            settings.order = Order::Space;
+        }
         settings.lie.max_depth = self.max_depth.unwrap_or(settings.lie.max_depth);
         settings.lie.split_threshold = self.split.unwrap_or(settings.lie.split_threshold);
         settings

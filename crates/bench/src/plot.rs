@@ -52,6 +52,9 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(90, 90, 90),
 ];
 
+/// Curves that are drawn without gaps; those after them are dashed.
+const SOLID: usize = 2;
+
 /// Groups of bars side by side; `None` if there is nothing to show.
 ///
 /// # Errors
@@ -119,14 +122,22 @@ pub fn curves(axes: &Axes<'_>, curves: &[Curve]) -> Result<Option<String>, Bench
             .map_err(failed)?;
         for (index, curve) in curves.iter().enumerate() {
             let color = COLORS[index % COLORS.len()];
-            let line = LineSeries::new(curve.points.iter().copied(), color.stroke_width(2));
-            chart
-                .draw_series(line.point_size(3))
-                .map_err(failed)?
-                .label(&curve.name)
-                .legend(move |(x, y)| {
-                    Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled())
-                });
+            let points = curve.points.iter().copied();
+            let style = color.stroke_width(2);
+            let legend =
+                move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled());
+            let drawn = if index < SOLID {
+                let line = LineSeries::new(points.clone(), style);
+                chart.draw_series(line).map_err(failed)?
+            } else {
+                // Each with gaps of its own, so that what is below it shows.
+                let gap = 2 + 2 * (index - SOLID) as u32;
+                let line = DashedLineSeries::new(points.clone(), 6, gap, style);
+                chart.draw_series(line).map_err(failed)?
+            };
+            drawn.label(&curve.name).legend(legend);
+            let dots = points.map(|point| Circle::new(point, 3, color.filled()));
+            chart.draw_series(dots).map_err(failed)?;
         }
         draw_legend(&mut chart)
     })
@@ -269,6 +280,23 @@ mod tests {
         assert_eq!(curves(&AXES, &[curve(&points[..1])]).unwrap(), None);
         assert_eq!(curves(&AXES, &[]).unwrap(), None);
         assert!(curves(&AXES, &[curve(&[(1.0, 1.0)])]).unwrap().is_some());
+    }
+
+    #[test]
+    fn no_two_curves_look_alike() {
+        let count = COLORS.len();
+        let all: Vec<Curve> = (0..count)
+            .map(|_| curve(&[(1.0, 0.5), (2.0, 0.1)]))
+            .collect();
+        let svg = curves(&AXES, &all).unwrap().unwrap();
+        for color in COLORS {
+            let RGBColor(r, g, b) = color;
+            assert!(svg.contains(&format!("#{r:02X}{g:02X}{b:02X}")), "{svg}");
+        }
+        // What lies below a dashed curve shows in its gaps.
+        let solid = curves(&AXES, &all[..SOLID]).unwrap().unwrap();
+        let lines = |svg: &str| svg.matches("<polyline").count();
+        assert!(lines(&svg) > 2 * lines(&solid));
     }
 
     #[test]

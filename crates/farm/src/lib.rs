@@ -45,5 +45,5 @@ pub mod shader;
 pub mod snapshot;
 pub mod walk;
 
-pub use construct::{BatchReport, Builder, ConstructSettings, PastView, Snapshot, View};
+pub use construct::{BatchReport, Builder, ConstructSettings, Order, PastView, Snapshot, View};
 pub use replica::{LieReplica, PublishedLies, ReplicaError};

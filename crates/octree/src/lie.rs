@@ -13,7 +13,8 @@ use crate::{
 pub struct Lie {
     pub(crate) samples: u32,
     /// Samples that lights without evidence carried nothing to, those included that speak
-    /// for the whole that this is a part of.
+    /// for the whole that this is a part of. Nobody asked a light that was certain: this starts
+    /// from nothing when one no longer is.
     pub(crate) dark: u32,
     pub(crate) lights: Vec<LightEvidence>,
     /// Where it was seen, and what is certain there.
@@ -63,7 +64,10 @@ impl Lie {
     pub(crate) fn part(&self, version: u64) -> Self {
         Self {
             samples: 0,
-            dark: self.dark / QUARTER,
+            dark: match self.region.settled().next() {
+                Some(_) => 0,
+                None => self.dark / QUARTER,
+            },
             lights: self.lights.iter().map(LightEvidence::part).collect(),
             region: Region::default(),
             shown: Shown::default(),
@@ -108,6 +112,10 @@ impl Lie {
     pub(crate) fn settle(&mut self, region: Region) {
         self.lights.retain(|entry| !region.is_settled(entry.light));
         self.lights.shrink_to_fit();
+        let is_lost = |light| region.proof(light).is_none();
+        if self.region.settled().any(is_lost) {
+            self.dark = 0;
+        }
         self.region = region;
     }
 
@@ -134,10 +142,11 @@ impl Lie {
         trust.saturating_mul(if is_open { OPEN } else { 1 })
     }
 
-    /// Whether lights that it has no evidence of are known to give it nothing: they shine
-    /// elsewhere, or its surfaces face away.
-    fn is_dark_known(&self, trust: u32) -> bool {
-        self.dark >= trust
+    /// Whether a light that it has no evidence of is known to give it nothing: it shines
+    /// elsewhere, or the cell's surfaces face away. Of one that may reach it by geometry, and could
+    /// not be settled, samples have to tell; not all of them were asked.
+    fn is_dark(&self, light: u32, trust: u32) -> bool {
+        self.dark >= trust && self.region.proof(light).is_none()
     }
 
     /// The lights that reach the cell, in order of their number.
@@ -170,7 +179,7 @@ impl Lie {
             Some(entry) if entry.crowded => Standing::Crowded,
             Some(entry) if !self.is_trusted(entry, trust) => Standing::Doubtful,
             Some(entry) if entry.is_lit() => Standing::Lit(entry),
-            None if !self.is_dark_known(trust) => Standing::Doubtful,
+            None if !self.is_dark(light, trust) => Standing::Doubtful,
             _ => Standing::Hidden,
         }
     }
@@ -339,18 +348,16 @@ impl Lie {
 
     /// The lights that are known to give the cell nothing, or are masked.
     fn left_out(&self, trust: u32, lights: u32) -> Vec<u32> {
-        let is_dark_known = self.is_dark_known(trust);
         let mut rest = self.lights.iter().peekable();
         let is_left_out = |light: &u32| match rest.next_if(|entry| entry.light == *light) {
             Some(entry) => {
                 let is_left_out = entry.mask == Some(Mask::LeftOut) || !entry.is_lit();
                 is_left_out && self.is_trusted(entry, trust)
             }
-            None => match self.region.proof(*light) {
-                Some(Proof::Hidden) => true,
-                Some(Proof::Unoccluded | Proof::Behind(_)) => false,
-                Some(Proof::Open) | None => is_dark_known,
-            },
+            None => {
+                let is_hidden = self.region.proof(*light) == Some(&Proof::Hidden);
+                is_hidden || self.is_dark(*light, trust)
+            }
         };
         (0..lights).filter(is_left_out).collect()
     }

@@ -9,8 +9,8 @@ use lie_bench::{
 };
 
 use super::{
-    COURSE_PASSES, Course, Frames, construct_settings, figure4::measure as measure_costs, follow,
-    gallery, output, subject::Subject,
+    COURSE_PASSES, Frames, construct_settings, course::Course, figure4::measure as measure_costs,
+    follow, gallery, output, subject::Subject,
 };
 use crate::{
     args::{self, say},

@@ -68,18 +68,18 @@ impl Shaft {
         true
     }
 
-    /// Whether segments that pass inside a triangle meet it between their ends, if one that
-    /// touches it on a neighbouring triangle does.
+    /// Whether every segment that passes inside a triangle meets it between its ends, as the triangle
+    /// test rounds: from a light that is far away distances are coarse.
     fn lies_between(&self, shape: &Triangle) -> bool {
-        let bounds = shape.bounds();
-        let room = 64.0 * f32::EPSILON * self.ends.max.abs().max(self.ends.min.abs()).max_element();
-        let touches = bounds.min.cmple(self.ends.max + room).all()
-            && bounds.max.cmpge(self.ends.min - room).all();
         let normal = shape.normal.to_array();
         let offset = plane_offset(shape.a.to_array(), normal, self.apex);
-        let along = self.interval(normal);
-        let nearest = (1.0 - SHADOW_T_MAX) * along[0].abs().max(along[1].abs());
-        !touches && offset.abs() > nearest * (1.0 + 64.0 * f32::EPSILON)
+        // Rounding is monotonic: it is met at `offset / along`, and that is below 1.
+        let along = match self.interval(normal) {
+            [least, most] if offset > 0.0 => [least, most],
+            [least, most] => [-most, -least],
+        };
+        let nearest = (1.0 - SHADOW_T_MAX) * along[1] * (1.0 + 64.0 * f32::EPSILON);
+        along[0] > offset.abs() && offset.abs() > nearest
     }
 
     /// Whether a piece of an edge is outside for certain.

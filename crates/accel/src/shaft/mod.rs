@@ -24,7 +24,6 @@ use crate::{
 #[derive(Clone, Copy, Debug)]
 pub struct Shaft {
     apex: [f32; 3],
-    ends: Aabb,
     /// Box around all of it: minima and maxima by axis.
     around: [[f32; 3]; 2],
     /// The least and the largest way from the apex to the box, by axis.
@@ -108,7 +107,6 @@ impl Shaft {
         let (min, max) = (ends.min.to_array(), ends.max.to_array());
         let mut shaft = Self {
             apex,
-            ends,
             around: [min, max],
             ways: [[0.0; 3]; 2],
             sides: [Side {
@@ -128,6 +126,12 @@ impl Shaft {
             let ends = bounds.min[axis].abs().max(bounds.max[axis].abs());
             ends.max(apex[axis].abs())
         };
+        // As far beside the ends rays may be found to meet something.
+        let room = 8.0 * f32::EPSILON * (0..3).map(reach).fold(0.0, f32::max);
+        for axis in 0..3 {
+            shaft.around[0][axis] -= room;
+            shaft.around[1][axis] += room;
+        }
         for axis in 0..3 {
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
             let tangents = tangents(

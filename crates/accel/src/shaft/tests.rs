@@ -165,6 +165,41 @@ fn what_is_covered_lets_no_segment_through() {
     );
 }
 
+/// From far away distances are coarse: a wall just before the ends may be met behind them.
+#[test]
+fn what_is_covered_is_so_for_rays_from_far_away() {
+    let bumpy = wall(8, RandomKey::new(3));
+    let corners: Vec<Vec3> = bumpy.iter().map(|at| at.with_x(0.0)).collect();
+    let shapes = geometry(&corners).shapes().to_vec();
+    let bounds = Aabb::around(corners.iter().copied());
+    let (mut covered, mut missed) = (0, 0);
+    for seed in 0..600 {
+        let key = RandomKey::new(seed);
+        let distance = 10f32.powf(2.0 + 4.0 * key.uniform(0));
+        let apex = distance * Vec3::new(-1.0, 0.3, 0.2) * (1.0 + 0.1 * vector(key, 1));
+        let height = 10f32.powf(-4.0 * key.uniform(9));
+        let ends = random_box(key.mix(3), Vec3::X * height, 0.4 * height);
+        let shaft = Shaft::new(apex, ends, bounds);
+        let is_blocked = |n: u32| {
+            let ray = Ray::segment_from(apex, place_in(ends, key.mix(4), n));
+            shapes.iter().any(|shape| shape.intersect(&ray).is_some())
+        };
+        let all_blocked = (0..100).all(is_blocked);
+        missed += usize::from(!all_blocked);
+        if is_covered(&shapes, &shaft, apex, ends) {
+            covered += 1;
+            assert!(
+                all_blocked,
+                "seed {seed}: {distance} m away, {height} m behind"
+            );
+        }
+    }
+    assert!(
+        covered > 100 && missed > 10,
+        "{covered} covered, {missed} not blocked as the test rounds"
+    );
+}
+
 #[test]
 fn what_has_holes_or_touches_the_ends_proves_nothing() {
     let corners = wall(4, RandomKey::new(1));

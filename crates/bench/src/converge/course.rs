@@ -66,6 +66,7 @@ pub(super) fn follow(
         first_frame_relative_rmse: rows[0].relative_rmse,
         last_frame_ms: last.frame_ms,
         last_frame_relative_rmse: last.relative_rmse,
+        last_frame_trusted_fraction: last.trusted_fraction,
         worst_walk_relative_rmse: None,
         lie_bytes: builder.tree().stats().bytes,
     };

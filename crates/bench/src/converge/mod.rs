@@ -3,61 +3,32 @@
 mod audit;
 mod course;
 mod deadline;
+mod mode;
 mod show;
 mod walk;
 
-use std::time::Duration;
+use std::{collections::BTreeMap, time::Duration};
 
-use lie_farm::{ConstructSettings, LieReplica};
-use lie_octree::LieSettings;
+use lie_farm::{ConstructSettings, LieReplica, PublishedLies};
 use lie_render::Film;
 use lie_scene::Walkthrough;
 
-pub use self::show::{rows_json, section, summary_json, summary_table, table};
 use self::{deadline::Deadline, walk::WalkReferences};
+pub use self::{
+    mode::Mode,
+    show::{rows_json, section, summary_json, summary_table, table},
+};
 use crate::{
     BenchError, Contender, Progress, Spread, Stage,
     race::{Entrant, Runs, pool, race},
 };
 
-/// What is relied on before it is known well.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode {
-    /// Everything: what is not known to be lit is dark (LIE §4.2).
-    Paper,
-    /// What enough samples agree on; the rest is traced.
-    Trust,
-}
-
-impl Mode {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Paper, Self::Trust];
-
-    /// Its name in tables and JSON.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Paper => "paper",
-            Self::Trust => "trust",
-        }
-    }
-
-    /// Construction in this mode, otherwise as these settings have it. Where they trust
-    /// everything, mode trust has the usual trust.
-    fn settings(self, mut settings: ConstructSettings) -> ConstructSettings {
-        settings.lie.trust = match (self, settings.lie.trust) {
-            (Self::Paper, _) => 0,
-            (Self::Trust, 0) => LieSettings::default().trust,
-            (Self::Trust, trust) => trust,
-        };
-        settings
-    }
-}
-
 /// What is measured of each scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ConvergeConfig {
-    /// Construction; the modes differ in what is trusted.
+    /// In turn, each from nothing.
+    pub modes: Vec<Mode>,
+    /// Construction, but for what makes a mode.
     pub construct: ConstructSettings,
     /// Threads that render.
     pub threads: usize,
@@ -67,7 +38,8 @@ pub struct ConvergeConfig {
     pub max_samples: u64,
     /// Frames of the walk, after the view from which it starts; 0 is no walk.
     pub walk_frames: u32,
-    /// Time for a scene, shared out among the modes: no step begins after it.
+    /// Time for a scene, shared out among the modes: no step begins after it. What a mode
+    /// leaves over is for those after it.
     pub limit: Option<Duration>,
 }
 
@@ -76,7 +48,7 @@ pub struct ConvergeConfig {
 pub struct ConvergeRow {
     /// The scene's name.
     pub scene: String,
-    /// What is relied on.
+    /// How it is constructed.
     pub mode: Mode,
     /// Time of construction so far; frames do not count.
     pub time_ms: f64,
@@ -124,7 +96,7 @@ pub struct ConvergeSummary {
     pub path: String,
     /// The camera's name.
     pub camera: String,
-    /// What is relied on.
+    /// How it is constructed.
     pub mode: Mode,
     /// Threads that rendered.
     pub threads: usize,
@@ -140,10 +112,22 @@ pub struct ConvergeSummary {
     pub last_frame_ms: f64,
     /// Its error.
     pub last_frame_relative_rmse: f64,
+    /// Share of its light evaluations that LIEs answered.
+    pub last_frame_trusted_fraction: f64,
     /// The largest error of the walk's frames; `None` without a walkthrough or time for it.
     pub worst_walk_relative_rmse: Option<f64>,
     /// Memory of the constructor's tree at the end, evidence included.
     pub lie_bytes: u64,
+}
+
+impl ConvergeSummary {
+    /// How many frames the standard could have rendered until the view counted as converged;
+    /// `None` if it did not.
+    #[must_use]
+    pub fn converged_standard_frames(&self) -> Option<f64> {
+        let frame_ms = self.standard_frame_ms.median.max(f64::MIN_POSITIVE);
+        self.converged_ms.map(|time| time / frame_ms)
+    }
 }
 
 /// All that was measured of a scene.
@@ -168,10 +152,8 @@ pub fn converge(
     progress: &Progress<'_>,
 ) -> Result<Convergence, BenchError> {
     let pool = pool(config.threads)?;
-    let deadline = Deadline::new(config.limit, Mode::ALL.len());
-    let mut starts = race_of_first_frames(stage, config, &pool, progress);
-    let firsts = starts.split_off(1);
-    let standard = starts.swap_remove(0);
+    let deadline = Deadline::new(config.limit, config.modes.len());
+    let Starts { standard, firsts } = race_of_first_frames(stage, config, &pool, progress);
     let mut rows = vec![];
     let mut summary = vec![];
     let bench = Bench {
@@ -182,8 +164,9 @@ pub fn converge(
         progress,
     };
     let mut references = walkthrough.map(WalkReferences::new);
-    for ((index, mode), first) in Mode::ALL.into_iter().enumerate().zip(firsts) {
-        let course = course::follow(&bench, mode, &first, deadline.of_part(index, 0.6))?;
+    for (index, &mode) in config.modes.iter().enumerate() {
+        let first = &firsts[&trust(mode, config)];
+        let course = course::follow(&bench, mode, first, deadline.of_part(index, 0.6))?;
         let worst = match &mut references {
             None => None,
             Some(references) => {
@@ -219,30 +202,48 @@ impl Bench<'_> {
     }
 }
 
-/// The standard, and after it LIEs that know nothing in each mode.
+/// Where all modes start.
+struct Starts {
+    standard: Runs,
+    /// LIEs that know nothing, by their trust: it is all that makes a difference then.
+    firsts: BTreeMap<u32, Runs>,
+}
+
+fn trust(mode: Mode, config: &ConvergeConfig) -> u32 {
+    mode.settings(config.construct).lie.trust
+}
+
+/// The standard, and LIEs that know nothing, in turn.
 fn race_of_first_frames(
     stage: &Stage,
     config: &ConvergeConfig,
     pool: &rayon::ThreadPool,
     progress: &Progress<'_>,
-) -> Vec<Runs> {
-    let nothing = Mode::ALL.map(|mode| {
+) -> Starts {
+    let nothing = |&mode: &Mode| {
         let settings = mode.settings(config.construct).lie;
-        LieReplica::new(stage.world().clone(), settings).publish()
-    });
+        let lies = LieReplica::new(stage.world().clone(), settings).publish();
+        (settings.trust, lies)
+    };
+    let nothing: BTreeMap<u32, PublishedLies> = config.modes.iter().map(nothing).collect();
     let entrants = |stage: &Stage, pool, repeat, progress| {
         let entrant = |what: &str, contender: Contender, lies| Entrant {
             name: format!("{}: {what}", stage.name()),
             render: Box::new(move |tell| contender.render(stage, lies, tell)),
         };
         let mut entrants = vec![entrant("standard", Contender::Standard, None)];
-        for (mode, lies) in Mode::ALL.iter().zip(&nothing) {
-            let what = format!("first frame, {}", mode.name());
+        for (trust, lies) in &nothing {
+            let what = format!("first frame, trust {trust}");
             entrants.push(entrant(&what, Contender::Lie, Some(lies)));
         }
         race(pool, repeat, &entrants, progress)
     };
     // A small one first, to warm up.
     entrants(&stage.thumbnail(), pool, 1, &|_, _| {});
-    entrants(stage, pool, config.repeat, progress)
+    let mut all = entrants(stage, pool, config.repeat, progress);
+    let firsts = all.split_off(1);
+    Starts {
+        standard: all.swap_remove(0),
+        firsts: nothing.into_keys().zip(firsts).collect(),
+    }
 }

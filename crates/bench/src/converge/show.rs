@@ -52,8 +52,10 @@ pub fn summary_table(summary: &[ConvergeSummary]) -> Table {
         "first frame ms",
         "its rel. RMSE",
         "converged after s",
+        "standard frames",
         "last frame ms",
         "its rel. RMSE",
+        "trusted",
         "worst of the walk",
         "LIEs",
     ];
@@ -67,8 +69,12 @@ pub fn summary_table(summary: &[ConvergeSummary]) -> Table {
             ms(line.first_frame_ms.median),
             percent(line.first_frame_relative_rmse),
             or_dash(line.converged_ms, |time| format!("{:.2}", 1.0e-3 * time)),
+            or_dash(line.converged_standard_frames(), |frames| {
+                format!("{frames:.1}")
+            }),
             ms(line.last_frame_ms),
             percent(line.last_frame_relative_rmse),
+            percent(line.last_frame_trusted_fraction),
             or_dash(line.worst_walk_relative_rmse, percent),
             memory(line.lie_bytes),
         ]);
@@ -112,12 +118,14 @@ pub fn summary_json(summary: &[ConvergeSummary]) -> Value {
             "standard_frame_ms_min": line.standard_frame_ms.min,
             "standard_frame_ms_max": line.standard_frame_ms.max,
             "converged_ms": line.converged_ms,
+            "converged_standard_frames": line.converged_standard_frames(),
             "first_frame_ms": line.first_frame_ms.median,
             "first_frame_ms_min": line.first_frame_ms.min,
             "first_frame_ms_max": line.first_frame_ms.max,
             "first_frame_relative_rmse": line.first_frame_relative_rmse,
             "last_frame_ms": line.last_frame_ms,
             "last_frame_relative_rmse": line.last_frame_relative_rmse,
+            "last_frame_trusted_fraction": line.last_frame_trusted_fraction,
             "worst_walk_relative_rmse": line.worst_walk_relative_rmse,
             "lie_bytes": line.lie_bytes,
         })
@@ -125,36 +133,58 @@ pub fn summary_json(summary: &[ConvergeSummary]) -> Value {
     summary.iter().map(line).collect()
 }
 
-/// What the section's reader has to know.
+/// What the section's reader has to know, beside the modes.
 const ABOUT: [&str; 2] = [
-    "LIEs of a view, constructed from nothing on all threads. At each mark a frame is \
-     rendered with the LIEs so far, on a clock of its own. Mode *paper* relies on what little \
-     is known; mode *trust* traces what is in doubt. Errors are relative RMSE against the \
-     standard's picture. A view has converged when more construction would make its picture \
-     neither better nor much cheaper (decision 21); a dash says that this did not happen in \
-     the passes or the time given. Where very many occluders are in the way the scene itself \
-     is asked for good, in both modes. *Audited* are the shadow rays that LIEs answer for in a \
-     hundredth of the pixels; they are traced, and *wrong* is the share of the answers that they \
-     contradict. Here nothing is mended by it.",
+    "Errors are relative RMSE against the standard's picture. A view has converged when more \
+     construction would make its picture neither better nor much cheaper (decision 21); a dash \
+     says that this did not happen in the passes or the time given, and *standard frames* is how \
+     many frames the standard could have rendered meanwhile. *Trusted* is the share of a frame's \
+     light evaluations that LIEs answered. Where very many occluders are in the way the \
+     scene itself is asked for good, in all modes that have such a limit. *Audited* are the shadow \
+     rays that LIEs answer for in a hundredth of the pixels; they are traced, and *wrong* is the \
+     share of the answers that they contradict. Here nothing is mended by it.",
     "The worst of the walk is the largest error among frames a quarter of a second apart, \
      from the middle of the scene's first walkthrough on: LIEs start from nothing with four \
      passes over the view before the first, and then get a quarter of a pass before each frame.",
 ];
+
+/// What is measured, in which modes.
+fn about_modes(summary: &[ConvergeSummary]) -> String {
+    let modes = distinct(summary.iter().map(|line| line.mode));
+    let modes: Vec<&str> = modes.into_iter().map(Mode::about).collect();
+    format!(
+        "LIEs of a view, constructed from nothing on all threads. At each mark a frame is \
+         rendered with the LIEs so far, on a clock of its own. Mode {}.",
+        modes.join("; mode ")
+    )
+}
+
+/// Each once, in the order in which they come first.
+fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
+    let mut found = vec![];
+    for item in items {
+        if !found.contains(&item) {
+            found.push(item);
+        }
+    }
+    found
+}
 
 /// The section of a report.
 ///
 /// # Errors
 /// If a plot cannot be drawn.
 pub fn section(rows: &[ConvergeRow], summary: &[ConvergeSummary]) -> Result<Section, BenchError> {
-    let mut scenes: Vec<&str> = summary.iter().map(|line| line.scene.as_str()).collect();
-    scenes.dedup();
+    let scenes = distinct(summary.iter().map(|line| line.scene.as_str()));
     let mut figures = vec![];
     for scene in scenes {
         figures.extend(scene_figures(scene, rows, summary)?);
     }
     Ok(Section {
         heading: "Convergence from a cold start".to_owned(),
-        paragraphs: ABOUT.map(str::to_owned).to_vec(),
+        paragraphs: std::iter::once(about_modes(summary))
+            .chain(ABOUT.map(str::to_owned))
+            .collect(),
         tables: vec![summary_table(summary), table(rows)],
         figures,
         ..Section::default()
@@ -237,16 +267,16 @@ fn courses(
     x: impl Fn(&ConvergeRow) -> f64,
     y: impl Fn(&ConvergeRow) -> f64,
 ) -> Vec<Curve> {
-    let of_mode = |mode: Mode| {
-        let own = rows
-            .iter()
-            .filter(|row| row.scene == scene && row.mode == mode);
-        Curve {
-            name: mode.name().to_owned(),
-            points: own.map(|row| (x(row), y(row))).collect(),
-        }
+    let rows = || rows.iter().filter(|row| row.scene == scene);
+    let of_mode = |mode: Mode| Curve {
+        name: mode.name().to_owned(),
+        points: rows()
+            .filter(|row| row.mode == mode)
+            .map(|row| (x(row), y(row)))
+            .collect(),
     };
-    Mode::ALL.map(of_mode).to_vec()
+    let modes = distinct(rows().map(|row| row.mode));
+    modes.into_iter().map(of_mode).collect()
 }
 
 #[cfg(test)]
@@ -296,6 +326,7 @@ mod tests {
             first_frame_relative_rmse: 1.0,
             last_frame_ms: 80.0,
             last_frame_relative_rmse: 0.1,
+            last_frame_trusted_fraction: 0.5,
             worst_walk_relative_rmse,
             lie_bytes: 1000,
         };
@@ -309,10 +340,30 @@ mod tests {
     fn what_did_not_happen_is_null() {
         let json = summary_json(&summary());
         assert_eq!(json[0]["converged_ms"], 100.0);
+        assert_eq!(json[0]["converged_standard_frames"], 0.5);
         assert!(json[1]["converged_ms"].is_null());
+        assert!(json[1]["converged_standard_frames"].is_null());
         assert!(json[1]["worst_walk_relative_rmse"].is_null());
         assert!(summary_table(&summary()).text().contains('–'));
         assert_eq!(rows_json(&rows()).as_array().unwrap().len(), 4);
+    }
+
+    #[test]
+    fn modes_that_were_measured_are_explained_and_drawn() {
+        let text = section(&rows(), &summary()).unwrap().paragraphs.join("");
+        for mode in Mode::ALL {
+            assert_eq!(
+                text.contains(mode.about()),
+                [Mode::Paper, Mode::Trust].contains(&mode),
+                "{text}"
+            );
+        }
+        let mut rows = rows();
+        rows.truncate(1);
+        rows[0].mode = Mode::InOrder;
+        let drawn = courses("bar", &rows, |_| 1.0, |row| row.relative_rmse);
+        let names: Vec<&str> = drawn.iter().map(|curve| curve.name.as_str()).collect();
+        assert_eq!(names, ["in-order"]);
     }
 
     #[test]

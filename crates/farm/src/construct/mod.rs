@@ -41,6 +41,19 @@ pub struct ConstructSettings {
     pub tolerance: f32,
     /// Whether lights are settled by geometry where that is possible.
     pub proofs: bool,
+    /// Where samples are taken first.
+    pub order: Order,
+}
+
+/// Which points of a view a pass samples, and in which order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// Those where a part of a pixel's light is in doubt, by how much it is. In the paper's
+    /// mode all of them, those first whose cells have the fewest samples.
+    #[default]
+    Doubt,
+    /// All of them, as they lie in space.
+    Space,
 }
 
 /// So many times the points that a cell needs to split, and it is not worth proving anything.
@@ -60,6 +73,7 @@ impl ConstructSettings {
             threads: 0,
             tolerance: 0.002,
             proofs: true,
+            order: Order::Doubt,
         }
     }
 }
@@ -207,12 +221,12 @@ impl Builder {
 
     /// Neighbourhoods that are worth a sample, each with its view's index.
     fn plan(&mut self) -> Vec<(usize, Vec<Place>)> {
-        let (world, tree) = (&*self.world, &self.tree);
+        let (world, tree, order) = (&*self.world, &self.tree, self.settings.order);
         let share = Self::BATCH.div_ceil(self.views.len().max(1) as u64);
         let views = &mut self.views;
         self.pool.install(|| {
             let plan = |(index, progress): (usize, &mut ViewProgress)| {
-                let places = progress.plan(world, tree, share);
+                let places = progress.plan(world, tree, order, share);
                 places.into_iter().map(move |places| (index, places))
             };
             views.iter_mut().enumerate().flat_map(plan).collect()

@@ -7,7 +7,10 @@ use lie_octree::{CellKey, Doubt, LieTree};
 use lie_render::World;
 use rayon::prelude::*;
 
-use super::view::{Square, ViewProgress};
+use super::{
+    Order,
+    view::{Square, ViewProgress},
+};
 
 /// A surface point of a view, by what its camera ray met.
 #[derive(Clone, Copy, Debug)]
@@ -50,12 +53,13 @@ const RANKS: f32 = 8.0;
 
 impl Sheet {
     /// Looks at some squares: one camera ray for each pixel, and what the tree knows of what it
-    /// met. In the paper's mode every point is worth a sample.
+    /// met. In the paper's mode, and in the order of space, every point is worth a sample.
     pub(super) fn new(
         world: &World,
         tree: &LieTree,
         progress: &ViewProgress,
         squares: &[Square],
+        order: Order,
     ) -> Self {
         let squares_in_parallel = squares.par_iter().with_min_len(4);
         let mut places: Vec<Place> = squares_in_parallel
@@ -67,7 +71,7 @@ impl Sheet {
         let weighed: Vec<(Cluster, u64)> = neighbourhoods
             .into_par_iter()
             .with_min_len(16)
-            .map(|places| weigh(world, tree, places))
+            .map(|places| weigh(world, tree, order, places))
             .collect();
         let pixels: u64 = squares.iter().map(Square::pixels).sum();
         let mut sheet = Self {
@@ -150,7 +154,11 @@ fn divide<'p>(places: &'p [Place], depth: u32, found: &mut Vec<&'p [Place]>) {
 
 /// Keeps the points where something is in doubt. Of the others, how many evaluations of lights
 /// are answered for.
-fn weigh(world: &World, tree: &LieTree, places: &[Place]) -> (Cluster, u64) {
+fn weigh(world: &World, tree: &LieTree, order: Order, places: &[Place]) -> (Cluster, u64) {
+    if order == Order::Space {
+        let places = places.to_vec();
+        return (Cluster { places, rank: 0 }, 0);
+    }
     let trust = tree.settings().trust;
     let lights = world.scene().lights.len() as u32;
     let mut kept = Cluster {

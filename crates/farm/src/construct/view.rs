@@ -5,7 +5,7 @@ use lie_render::World;
 use lie_scene::Camera;
 
 use super::{
-    ConstructSettings,
+    ConstructSettings, Order,
     sheet::{self, Place, Sheet},
     tally::Tally,
 };
@@ -158,7 +158,13 @@ impl ViewProgress {
 
     /// The next points that are worth a sample, about so many, by their neighbourhoods; none if
     /// what is left of this pass is not.
-    pub(super) fn plan(&mut self, world: &World, tree: &LieTree, points: u64) -> Vec<Vec<Place>> {
+    pub(super) fn plan(
+        &mut self,
+        world: &World,
+        tree: &LieTree,
+        order: Order,
+        points: u64,
+    ) -> Vec<Vec<Place>> {
         let mut planned = vec![];
         let mut count = 0;
         while count < points {
@@ -170,18 +176,18 @@ impl ViewProgress {
                 // What one sheet teaches is known before the next is looked at.
                 None if !planned.is_empty() => break,
                 None if self.looked_at == self.squares.len() => break,
-                None => self.look(world, tree),
+                None => self.look(world, tree, order),
             }
         }
         sheet::join(planned)
     }
 
     /// Looks at the next squares. What was left to learn of those before is done.
-    fn look(&mut self, world: &World, tree: &LieTree) {
+    fn look(&mut self, world: &World, tree: &LieTree, order: Order) {
         self.end_sheet();
         let end = self.squares.len().min(self.looked_at + SHEET);
         let squares = &self.squares[self.looked_at..end];
-        self.sheet = Sheet::new(world, tree, self, squares);
+        self.sheet = Sheet::new(world, tree, self, squares, order);
         self.looked_at = end;
     }
 

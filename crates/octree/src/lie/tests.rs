@@ -120,6 +120,39 @@ fn a_light_that_carries_nothing_to_any_sample_is_left_out_until_it_does() {
     assert_eq!(lie.state(16, 5).hidden, [0, 2, 4]);
 }
 
+/// What was certain of a light was not sampled: samples that carried nothing of it say nothing.
+#[test]
+fn a_light_that_is_no_longer_certain_is_in_doubt() {
+    let certain = |proof| Region {
+        bounds: Aabb::around([Vec3::ZERO]),
+        lights: vec![(2, proof)],
+    };
+    for proof in [Proof::Unoccluded, Proof::Hidden, Proof::Behind([7].into())] {
+        let mut lie = Lie::default();
+        lie.settle(certain(proof));
+        for _ in 0..40 {
+            record(&mut lie, &[]);
+        }
+        assert_eq!(standing(&lie, 2, 8), "certain");
+        assert_eq!(standing(&lie, 3, 8), "hidden");
+        let mut part = lie.part(1);
+        for _ in 0..7 {
+            record(&mut part, &[]);
+        }
+        let mut open = lie.clone();
+        open.settle(certain(Proof::Open));
+        // Of a light that has an extent nothing is said that is not certain.
+        lie.settle(Region {
+            lights: vec![],
+            ..certain(Proof::Open)
+        });
+        for lie in [lie, open, part] {
+            assert_eq!(standing(&lie, 2, 8), "doubtful");
+            assert!(!lie.left_out(8, 4).contains(&2));
+        }
+    }
+}
+
 #[test]
 fn a_light_that_gives_little_needs_fewer_samples() {
     let mut lie = Lie::default();

@@ -32,9 +32,13 @@ fn builder(world: &Arc<World>, trust: u32) -> Builder {
 
 /// A whole pass of a view, as it would be planned now.
 fn sheet(world: &World, builder: &Builder, view: &View) -> Sheet {
+    sheet_in(Order::Doubt, world, builder, view)
+}
+
+fn sheet_in(order: Order, world: &World, builder: &Builder, view: &View) -> Sheet {
     let progress = ViewProgress::new(view.clone(), 0, 0);
     let squares: Vec<Square> = Square::all(SIZE).collect();
-    Sheet::new(world, builder.tree(), &progress, &squares)
+    Sheet::new(world, builder.tree(), &progress, &squares, order)
 }
 
 fn points(sheet: &Sheet) -> u64 {
@@ -76,6 +80,27 @@ fn what_is_settled_is_passed_over_but_for_the_papers_mode() {
         assert_eq!(points(&after) < points(&before), is_less, "trust {trust}");
         assert_eq!(after.answered > 0, is_less, "trust {trust}");
     }
+}
+
+#[test]
+fn in_the_order_of_space_every_point_comes_in_its_place() {
+    let world = world();
+    let view = view(&world, 0.0);
+    let mut builder = builder(&world, 512);
+    let before = points(&sheet(&world, &builder, &view));
+    builder.sample(
+        std::slice::from_ref(&view),
+        u64::from(SIZE.x * SIZE.y),
+        |_| {},
+    );
+    let sheet = sheet_in(Order::Space, &world, &builder, &view);
+    assert_eq!((points(&sheet), sheet.answered), (before, 0));
+    // The last is taken first.
+    let taken = sheet.clusters.iter().rev();
+    let codes: Vec<u64> = taken
+        .flat_map(|cluster| cluster.places.iter().map(Place::code))
+        .collect();
+    assert!(codes.is_sorted());
 }
 
 #[test]
