@@ -355,7 +355,7 @@ impl Lie {
                 is_left_out && self.is_trusted(entry, trust)
             }
             None => {
-                let is_hidden = self.region.proof(*light) == Some(&Proof::Hidden);
+                let is_hidden = self.region.proof(*light) == Some(Proof::Hidden);
                 is_hidden || self.is_dark(*light, trust)
             }
         };

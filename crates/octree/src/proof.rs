@@ -115,11 +115,8 @@ impl Region {
 
     /// Lights that something is certain of.
     pub(crate) fn settled(&self) -> impl Iterator<Item = u32> {
-        let settled = self
-            .lights
-            .iter()
-            .filter(|(_, proof)| *proof != Proof::Open);
-        settled.map(|(light, _)| *light)
+        let settled = self.lights().filter(|(_, proof)| *proof != Proof::Open);
+        settled.map(|(light, _)| light)
     }
 
     /// Takes back what was certain of a light.

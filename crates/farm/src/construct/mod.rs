@@ -19,7 +19,11 @@ use lie_render::{Mismatch, World};
 use rayon::prelude::*;
 
 use self::{
-    neighbours::Neighbours, point::Point, prove::Prover, shafts::Shafts, sheet::Place,
+    neighbours::Neighbours,
+    point::Point,
+    prove::Prover,
+    shafts::Shafts,
+    sheet::{Place, Weighing},
     view::ViewProgress,
 };
 pub(crate) use self::{past::MOST_VIEWS, view::Finding};
@@ -202,7 +206,7 @@ impl Builder {
                         prover,
                         tree,
                         typical,
-                        is_survey: prover.is_some() && progress.passes == 0,
+                        is_survey: prover.is_some() && progress.is_survey(),
                     };
                     sampling.observe(random, points)
                 })
@@ -221,12 +225,17 @@ impl Builder {
 
     /// Neighbourhoods that are worth a sample, each with its view's index.
     fn plan(&mut self) -> Vec<(usize, Vec<Place>)> {
-        let (world, tree, order) = (&*self.world, &self.tree, self.settings.order);
+        let weighing = Weighing {
+            world: &self.world,
+            tree: &self.tree,
+            order: self.settings.order,
+            prover: self.prover.as_ref(),
+        };
         let share = Self::BATCH.div_ceil(self.views.len().max(1) as u64);
         let views = &mut self.views;
         self.pool.install(|| {
             let plan = |(index, progress): (usize, &mut ViewProgress)| {
-                let places = progress.plan(world, tree, order, share);
+                let places = progress.plan(weighing, share);
                 places.into_iter().map(move |places| (index, places))
             };
             views.iter_mut().enumerate().flat_map(plan).collect()

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::{
     Order,
+    prove::Prover,
     view::{Square, ViewProgress},
 };
 
@@ -38,8 +39,20 @@ pub(super) struct Sheet {
     pub(super) clusters: Vec<Cluster>,
     /// The other pixels: without surface, or where nothing is in doubt.
     pub(super) rest: u64,
-    /// Evaluations of lights in these that are answered for.
+    /// Evaluations of lights in these, as far as they are known.
+    pub(super) evaluated: u64,
+    /// How many of them are answered for.
     pub(super) answered: u64,
+}
+
+/// What points are weighed by.
+#[derive(Clone, Copy)]
+pub(super) struct Weighing<'a> {
+    pub(super) world: &'a World,
+    pub(super) tree: &'a LieTree,
+    pub(super) order: Order,
+    /// What settles lights without samples; a first pass asks no others that it serves.
+    pub(super) prover: Option<&'a Prover>,
 }
 
 /// Points that a cluster has at most.
@@ -54,32 +67,28 @@ const RANKS: f32 = 8.0;
 impl Sheet {
     /// Looks at some squares: one camera ray for each pixel, and what the tree knows of what it
     /// met. In the paper's mode, and in the order of space, every point is worth a sample.
-    pub(super) fn new(
-        world: &World,
-        tree: &LieTree,
-        progress: &ViewProgress,
-        squares: &[Square],
-        order: Order,
-    ) -> Self {
+    pub(super) fn new(weighing: Weighing<'_>, progress: &ViewProgress, squares: &[Square]) -> Self {
         let squares_in_parallel = squares.par_iter().with_min_len(4);
         let mut places: Vec<Place> = squares_in_parallel
-            .flat_map_iter(|&square| places(world, tree, progress, square))
+            .flat_map_iter(|&square| places(weighing, progress, square))
             .collect();
         places.par_sort_by_key(|place| place.code);
         let mut neighbourhoods = vec![];
         divide(&places, 0, &mut neighbourhoods);
-        let weighed: Vec<(Cluster, u64)> = neighbourhoods
+        let is_survey = progress.is_survey();
+        let weighed: Vec<(Cluster, [u64; 2])> = neighbourhoods
             .into_par_iter()
             .with_min_len(16)
-            .map(|places| weigh(world, tree, order, places))
+            .map(|places| weighing.weigh(is_survey, places))
             .collect();
         let pixels: u64 = squares.iter().map(Square::pixels).sum();
         let mut sheet = Self {
             rest: pixels,
             ..Self::default()
         };
-        for (cluster, answered) in weighed {
+        for (cluster, [evaluated, answered]) in weighed {
             sheet.rest -= cluster.places.len() as u64;
+            sheet.evaluated += evaluated;
             sheet.answered += answered;
             if !cluster.places.is_empty() {
                 sheet.clusters.push(cluster);
@@ -114,8 +123,8 @@ impl Place {
 }
 
 /// What the camera sees in a square's pixels, traced in packets of 4 × 4.
-fn places(world: &World, tree: &LieTree, progress: &ViewProgress, square: Square) -> Vec<Place> {
-    let cube = tree.cube();
+fn places(weighing: Weighing<'_>, progress: &ViewProgress, square: Square) -> Vec<Place> {
+    let (world, cube) = (weighing.world, weighing.tree.cube());
     let mut places = Vec::with_capacity(square.pixels() as usize);
     for block in square.blocks() {
         let mut rays = [Ray::new(Vec3::ZERO, Vec3::X); PACKET];
@@ -152,39 +161,43 @@ fn divide<'p>(places: &'p [Place], depth: u32, found: &mut Vec<&'p [Place]>) {
     }
 }
 
-/// Keeps the points where something is in doubt. Of the others, how many evaluations of lights
-/// are answered for.
-fn weigh(world: &World, tree: &LieTree, order: Order, places: &[Place]) -> (Cluster, u64) {
-    if order == Order::Space {
-        let places = places.to_vec();
-        return (Cluster { places, rank: 0 }, 0);
-    }
-    let trust = tree.settings().trust;
-    let lights = world.scene().lights.len() as u32;
-    let mut kept = Cluster {
-        places: Vec::with_capacity(places.len()),
-        rank: 0,
-    };
-    let (mut sum, mut answered) = (0.0, 0);
-    let cell = |place: &Place| tree.lie_at(place.origin);
-    for part in places.chunk_by(|a, b| std::ptr::eq(cell(a), cell(b))) {
-        let lie = cell(&part[0]);
-        let known = lie.doubt(trust, lights);
-        for place in part {
-            // What is known of a cell is known of its region.
-            let is_told = trust == 0 || lie.region().bounds.contains(place.origin);
-            let doubt = if is_told { known } else { Doubt::WHOLE };
-            if trust == 0 || doubt.share >= WORTH {
-                sum += doubt.share;
-                kept.places.push(*place);
-            } else {
-                answered += u64::from(doubt.answered);
+impl Weighing<'_> {
+    /// Keeps the points where something is in doubt. Of the others, how many evaluations of
+    /// lights there are, and how many are answered for.
+    fn weigh(self, is_survey: bool, places: &[Place]) -> (Cluster, [u64; 2]) {
+        if self.order == Order::Space {
+            let places = places.to_vec();
+            return (Cluster { places, rank: 0 }, [0; 2]);
+        }
+        let trust = self.tree.settings().trust;
+        let lights = self.world.scene().lights.len() as u32;
+        let serves = |light| self.prover.is_some_and(|prover| prover.serves(light));
+        let mut kept = Cluster {
+            places: Vec::with_capacity(places.len()),
+            rank: 0,
+        };
+        let (mut sum, mut passed_over) = (0.0, [0; 2]);
+        let cell = |place: &Place| self.tree.lie_at(place.origin);
+        for part in places.chunk_by(|a, b| std::ptr::eq(cell(a), cell(b))) {
+            let lie = cell(&part[0]);
+            let known = lie.doubt(trust, lights, |light| !(is_survey && serves(light)));
+            for place in part {
+                // What is known of a cell is known of its region.
+                let is_told = trust == 0 || lie.region().bounds.contains(place.origin);
+                let doubt = if is_told { known } else { Doubt::WHOLE };
+                if trust == 0 || doubt.share >= WORTH {
+                    sum += doubt.share;
+                    kept.places.push(*place);
+                } else {
+                    passed_over[0] += u64::from(doubt.evaluated);
+                    passed_over[1] += u64::from(doubt.answered);
+                }
             }
         }
+        let mean = sum / kept.places.len().max(1) as f32;
+        kept.rank = (RANKS * mean).ceil() as u32;
+        (kept, passed_over)
     }
-    let mean = sum / kept.places.len().max(1) as f32;
-    kept.rank = (RANKS * mean).ceil() as u32;
-    (kept, answered)
 }
 
 #[cfg(test)]

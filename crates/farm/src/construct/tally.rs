@@ -25,10 +25,10 @@ impl Tally {
         }
     }
 
-    /// Takes in pixels where nothing is in doubt, with so many evaluations of lights.
-    pub(super) fn skip(&mut self, pixels: u64, answered: u64) {
+    /// Takes in pixels that are not worth a sample, with so many evaluations of lights.
+    pub(super) fn skip(&mut self, pixels: u64, evaluated: u64, answered: u64) {
         self.pixels += pixels;
-        self.evaluations += answered;
+        self.evaluations += evaluated;
         self.trusted += answered;
     }
 

@@ -1,12 +1,11 @@
 use glam::{UVec2, Vec2};
 use lie_geom::{RandomKey, Ray};
-use lie_octree::{LieSettings, LieTree, Observation};
-use lie_render::World;
+use lie_octree::{LieSettings, Observation};
 use lie_scene::Camera;
 
 use super::{
-    ConstructSettings, Order,
-    sheet::{self, Place, Sheet},
+    ConstructSettings,
+    sheet::{self, Place, Sheet, Weighing},
     tally::Tally,
 };
 
@@ -158,13 +157,7 @@ impl ViewProgress {
 
     /// The next points that are worth a sample, about so many, by their neighbourhoods; none if
     /// what is left of this pass is not.
-    pub(super) fn plan(
-        &mut self,
-        world: &World,
-        tree: &LieTree,
-        order: Order,
-        points: u64,
-    ) -> Vec<Vec<Place>> {
+    pub(super) fn plan(&mut self, weighing: Weighing<'_>, points: u64) -> Vec<Vec<Place>> {
         let mut planned = vec![];
         let mut count = 0;
         while count < points {
@@ -176,18 +169,18 @@ impl ViewProgress {
                 // What one sheet teaches is known before the next is looked at.
                 None if !planned.is_empty() => break,
                 None if self.looked_at == self.squares.len() => break,
-                None => self.look(world, tree, order),
+                None => self.look(weighing),
             }
         }
         sheet::join(planned)
     }
 
     /// Looks at the next squares. What was left to learn of those before is done.
-    fn look(&mut self, world: &World, tree: &LieTree, order: Order) {
+    fn look(&mut self, weighing: Weighing<'_>) {
         self.end_sheet();
         let end = self.squares.len().min(self.looked_at + SHEET);
         let squares = &self.squares[self.looked_at..end];
-        self.sheet = Sheet::new(world, tree, self, squares, order);
+        self.sheet = Sheet::new(weighing, self, squares);
         self.looked_at = end;
     }
 
@@ -246,8 +239,9 @@ impl ViewProgress {
 
     /// Counts the pixels of a sheet that were not worth a sample.
     fn end_sheet(&mut self) {
-        let Sheet { rest, answered, .. } = std::mem::take(&mut self.sheet);
-        self.tally.skip(rest, answered);
+        let sheet = std::mem::take(&mut self.sheet);
+        let Sheet { rest, .. } = sheet;
+        self.tally.skip(rest, sheet.evaluated, sheet.answered);
         self.passed_over += rest;
     }
 
@@ -264,6 +258,11 @@ impl ViewProgress {
         }
         self.passes += 1;
         self.looked_at = 0;
+    }
+
+    /// Whether this pass settles lights by geometry and asks none that it could not settle.
+    pub(super) fn is_survey(&self) -> bool {
+        self.passes == 0
     }
 
     /// Passes that were begun.

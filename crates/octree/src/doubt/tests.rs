@@ -34,14 +34,14 @@ fn settle(lie: &mut Lie, lights: &[(u32, Proof)]) {
 }
 
 fn check(lie: &Lie, trust: u32, share: f32, answered: u32) {
-    let found = lie.doubt(trust, LIGHTS);
+    let found = lie.doubt(trust, LIGHTS, |_| true);
     assert!((found.share - share).abs() < 1.0e-6, "{found:?}");
     assert_eq!(found.answered, answered);
 }
 
 #[test]
 fn all_is_in_doubt_where_nothing_was_seen() {
-    assert_eq!(Lie::default().doubt(TRUST, LIGHTS), Doubt::WHOLE);
+    assert_eq!(Lie::default().doubt(TRUST, LIGHTS, |_| true), Doubt::WHOLE);
     check(&Lie::default(), 0, 1.0, 0);
 }
 
@@ -72,6 +72,18 @@ fn what_is_certain_is_not_in_doubt() {
     );
     // Four times as many rays must agree on what geometry left open.
     check(&open, TRUST, 1.0 - 16.0 / 256.0, 2);
+}
+
+#[test]
+fn a_light_that_was_never_asked_is_in_doubt_for_those_who_ask_it() {
+    let mut lie = seen(64, 1.0);
+    settle(&mut lie, &[(0, Proof::Open), (2, Proof::Hidden)]);
+    check(&lie, TRUST, 1.0 / 16.0, 2);
+    let unasked = lie.doubt(TRUST, LIGHTS, |light| light != 0);
+    assert_eq!(
+        (unasked.share, unasked.evaluated, unasked.answered),
+        (0.0, 3, 2)
+    );
 }
 
 #[test]

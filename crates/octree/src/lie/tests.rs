@@ -123,10 +123,8 @@ fn a_light_that_carries_nothing_to_any_sample_is_left_out_until_it_does() {
 /// What was certain of a light was not sampled: samples that carried nothing of it say nothing.
 #[test]
 fn a_light_that_is_no_longer_certain_is_in_doubt() {
-    let certain = |proof| Region {
-        bounds: Aabb::around([Vec3::ZERO]),
-        lights: vec![(2, proof)],
-    };
+    let bounds = Aabb::around([Vec3::ZERO]);
+    let certain = |proof| Region::new(bounds, vec![(2, proof)]);
     for proof in [Proof::Unoccluded, Proof::Hidden, Proof::Behind([7].into())] {
         let mut lie = Lie::default();
         lie.settle(certain(proof));
@@ -142,10 +140,7 @@ fn a_light_that_is_no_longer_certain_is_in_doubt() {
         let mut open = lie.clone();
         open.settle(certain(Proof::Open));
         // Of a light that has an extent nothing is said that is not certain.
-        lie.settle(Region {
-            lights: vec![],
-            ..certain(Proof::Open)
-        });
+        lie.settle(Region::new(bounds, vec![]));
         for lie in [lie, open, part] {
             assert_eq!(standing(&lie, 2, 8), "doubtful");
             assert!(!lie.left_out(8, 4).contains(&2));
