@@ -265,8 +265,8 @@ impl<'a> PointGroup<'a> {
     #[inline]
     fn blocked(&self, world: &World, cache: &mut ShadowCache, light: u32, rays: &RayPacket) -> u32 {
         match self.cell {
-            Some(_) => world.accel().blocked_packet(rays),
-            None => cache.blocked(world, light, rays),
+            Some(cell) if cell.answered() > 0 => world.accel().blocked_packet(rays),
+            _ => cache.blocked(world, light, rays),
         }
     }
 
