@@ -9,10 +9,10 @@ use lie_scene::{AreaLight, AreaShape};
 use multiversion::multiversion;
 
 use crate::{
-    closed_form::{LEAST, Outlines},
-    light_rays::{NEAR, weight_factor},
+    closed_form::{LEAST, NEAR, Outlines},
+    light_form::AreaForm,
+    light_rays::weight_factor,
     point_lanes::{Lanes, PointLanes, RadianceLanes, add, dot, larger, scale, subtract},
-    world::AreaForm,
 };
 
 /// How a light is sampled from points of one kind.
@@ -343,7 +343,7 @@ mod tests {
     use lie_scene::{Gallery, LightKind, Scene, gallery};
 
     use super::*;
-    use crate::{Brdf, LightPoints, LightRay, World, light_rays::is_simple, world::LightForm};
+    use crate::{Brdf, LightPoints, LightRay, World, light_form::LightForm, light_rays::is_simple};
 
     /// Rays that carry something, as lanes and the scalar code have them.
     #[derive(Default)]

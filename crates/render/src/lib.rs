@@ -40,6 +40,7 @@ mod expected_error;
 mod film;
 mod frame;
 mod image_file;
+mod light_form;
 mod light_rays;
 mod light_set;
 mod metrics;

@@ -7,9 +7,9 @@ use lie_scene::{AreaLight, Light, LightKind, LightPoint, Surface};
 
 use crate::{
     Brdf, World,
-    closed_form::{LEAST, Outlines},
+    closed_form::{LEAST, NEAR, Outlines},
+    light_form::{AreaForm, LightForm},
     luminance,
-    world::{AreaForm, LightForm},
 };
 
 /// A shadow ray to be traced, with what it carries if nothing blocks it.
@@ -188,9 +188,6 @@ pub(crate) fn weight_factor(irradiance: f32, weights: f32) -> f32 {
         1.0
     }
 }
-
-/// Solid angle in sr that one sample point of a light may stand for before it counts as near.
-pub(crate) const NEAR: f32 = 0.1;
 
 impl World {
     /// Calls `found` with the shadow rays to sample points on one light: one to a light

@@ -7,12 +7,12 @@ use crate::{
     LieCell, LightRay, RenderStats, World,
     area_lanes::{self, AreaLanes, AreaSampling},
     delta_lanes::DeltaLight,
+    light_form::{AreaForm, LightForm},
     light_rays::is_simple,
     occluder_lists::OpenLists,
     point_lanes::{Lanes, PointLanes, RadianceLanes, carrying},
     shading_point::ShadingPoint,
     shadow_cache::ShadowCache,
-    world::{AreaForm, LightForm},
 };
 
 /// What groups work on.

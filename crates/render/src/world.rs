@@ -3,9 +3,14 @@ use std::sync::Arc;
 use glam::Vec3;
 use lie_accel::{Accel, AccelKind, Cutout, PACKET, RayPacket};
 use lie_geom::{Ray, Triangle};
-use lie_scene::{AreaLight, LightKind, Material, Scene, Surface};
+use lie_scene::{LightKind, Material, Scene, Surface};
 
-use crate::{closed_form::Outlines, delta_lanes::DeltaLight, light_rays::follows_lobe};
+use crate::{
+    closed_form::Outlines,
+    delta_lanes::DeltaLight,
+    light_form::{AreaForm, LightForm},
+    light_rays::follows_lobe,
+};
 
 /// A scene that rays can be shot into.
 pub struct World {
@@ -20,23 +25,6 @@ pub struct World {
     has_lobe_lights: bool,
     has_holes: bool,
     reach: f32,
-}
-
-/// A light in the form that shading wants.
-pub(crate) enum LightForm<'a> {
-    /// A point or a spot.
-    Delta(&'a DeltaLight),
-    /// An area light.
-    Area(AreaForm<'a>),
-    /// Anything else, or no light at all.
-    Other,
-}
-
-/// An area light, with its outlines if it is integrated in closed form.
-#[derive(Clone, Copy)]
-pub(crate) struct AreaForm<'a> {
-    pub(crate) light: &'a AreaLight,
-    pub(crate) outlines: Option<&'a Outlines>,
 }
 
 impl World {

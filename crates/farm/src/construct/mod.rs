@@ -1,11 +1,14 @@
 mod mend;
 mod neighbours;
+mod pass_rays;
 mod past;
+mod place;
 mod point;
 mod prove;
 mod sample;
 mod shafts;
 mod sheet;
+mod square;
 mod tally;
 mod view;
 
@@ -19,14 +22,10 @@ use lie_render::{Mismatch, World};
 use rayon::prelude::*;
 
 use self::{
-    neighbours::Neighbours,
-    point::Point,
-    prove::Prover,
-    shafts::Shafts,
-    sheet::{Place, Weighing},
-    view::ViewProgress,
+    neighbours::Neighbours, place::Place, point::Point, prove::Prover, shafts::Shafts,
+    sheet::Weighing, view::ViewProgress,
 };
-pub(crate) use self::{past::MOST_VIEWS, view::Finding};
+pub(crate) use self::{past::MOST_VIEWS, tally::Finding};
 pub use self::{
     past::{PastView, Snapshot},
     view::View,
@@ -206,7 +205,7 @@ impl Builder {
                         prover,
                         tree,
                         typical,
-                        is_survey: prover.is_some() && progress.is_survey(),
+                        is_survey: prover.is_some() && progress.rays().is_survey(),
                     };
                     sampling.observe(random, points)
                 })
@@ -246,7 +245,7 @@ impl Builder {
     fn visible_points(&self, planned: &[(usize, Vec<Place>)]) -> Vec<Vec<Point>> {
         let (world, views) = (&*self.world, &self.views);
         let points = |(view, places): &(usize, Vec<Place>)| {
-            let point = |place| Point::new(world, &views[*view], place);
+            let point = |place| Point::new(world, views[*view].rays(), place);
             places.iter().map(point).collect()
         };
         self.pool

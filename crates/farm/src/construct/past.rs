@@ -1,9 +1,6 @@
 use lie_octree::LieTree;
 
-use super::{
-    Builder, View,
-    view::{Finding, ViewProgress},
-};
+use super::{Builder, View, tally::Finding, view::ViewProgress};
 
 /// What stays of a view that is not looked at any more, or was not when it was saved.
 #[derive(Clone, Debug, PartialEq)]

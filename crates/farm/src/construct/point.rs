@@ -2,7 +2,7 @@ use lie_geom::RandomKey;
 use lie_render::{Brdf, LightPoints, World};
 use lie_scene::Surface;
 
-use super::{sheet::Place, view::ViewProgress};
+use super::{pass_rays::PassRays, place::Place};
 
 /// A pixel's surface point.
 pub(super) struct Point {
@@ -13,8 +13,8 @@ pub(super) struct Point {
 
 impl Point {
     /// The point at a place of a view.
-    pub(super) fn new(world: &World, progress: &ViewProgress, place: &Place) -> Self {
-        let (ray, key) = progress.camera_ray(place.pixel);
+    pub(super) fn new(world: &World, rays: PassRays<'_>, place: &Place) -> Self {
+        let (ray, key) = rays.camera_ray(place.pixel);
         let surface = world.scene().surface(&ray, &place.hit);
         Self {
             brdf: Brdf::new(world.scene(), &surface),

@@ -1,28 +1,16 @@
 //! Which surface points of a part of a view are worth a sample, and in which order.
 
-use glam::{UVec2, Vec3};
-use lie_accel::{PACKET, RayPacket};
-use lie_geom::{Hit, Ray};
 use lie_octree::{CellKey, Doubt, LieTree};
 use lie_render::World;
 use rayon::prelude::*;
 
 use super::{
     Order,
+    pass_rays::PassRays,
+    place::{Place, places},
     prove::Prover,
-    view::{Square, ViewProgress},
+    square::Square,
 };
-
-/// A surface point of a view, by what its camera ray met.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    pub(super) pixel: UVec2,
-    pub(super) hit: Hit,
-    /// Where its shadow rays start.
-    origin: Vec3,
-    /// The deepest cell around that: neighbours in space follow each other by it.
-    code: CellKey,
-}
 
 /// Surface points of one neighbourhood: those of some whole cells, unless a cell has very many.
 #[derive(Debug)]
@@ -67,15 +55,15 @@ const RANKS: f32 = 8.0;
 impl Sheet {
     /// Looks at some squares: one camera ray for each pixel, and what the tree knows of what it
     /// met. In the paper's mode, and in the order of space, every point is worth a sample.
-    pub(super) fn new(weighing: Weighing<'_>, progress: &ViewProgress, squares: &[Square]) -> Self {
+    pub(super) fn new(weighing: Weighing<'_>, rays: PassRays<'_>, squares: &[Square]) -> Self {
         let squares_in_parallel = squares.par_iter().with_min_len(4);
         let mut places: Vec<Place> = squares_in_parallel
-            .flat_map_iter(|&square| places(weighing, progress, square))
+            .flat_map_iter(|&square| places(weighing.world, weighing.tree.cube(), rays, square))
             .collect();
         places.par_sort_by_key(|place| place.code);
         let mut neighbourhoods = vec![];
         divide(&places, 0, &mut neighbourhoods);
-        let is_survey = progress.is_survey();
+        let is_survey = rays.is_survey();
         let weighed: Vec<(Cluster, [u64; 2])> = neighbourhoods
             .into_par_iter()
             .with_min_len(16)
@@ -113,40 +101,6 @@ pub(super) fn join(mut clusters: Vec<Cluster>) -> Vec<Vec<Place>> {
         }
     }
     joined
-}
-
-impl Place {
-    /// What tells the neighbourhood's random numbers from others'.
-    pub(super) fn code(&self) -> u64 {
-        self.code.raw()
-    }
-}
-
-/// What the camera sees in a square's pixels, traced in packets of 4 × 4.
-fn places(weighing: Weighing<'_>, progress: &ViewProgress, square: Square) -> Vec<Place> {
-    let (world, cube) = (weighing.world, weighing.tree.cube());
-    let mut places = Vec::with_capacity(square.pixels() as usize);
-    for block in square.blocks() {
-        let mut rays = [Ray::new(Vec3::ZERO, Vec3::X); PACKET];
-        let mut pixels = [UVec2::ZERO; PACKET];
-        let mut len = 0;
-        for pixel in block {
-            (rays[len], pixels[len]) = (progress.camera_ray(pixel).0, pixel);
-            len += 1;
-        }
-        let hits = world.accel().closest_packet(&RayPacket::new(&rays[..len]));
-        for lane in 0..len {
-            let Some(hit) = hits[lane] else { continue };
-            let origin = world.scene().shadow_origin(&rays[lane], &hit);
-            places.push(Place {
-                pixel: pixels[lane],
-                hit,
-                origin,
-                code: cube.key_at(origin, CellKey::MAX_DEPTH),
-            });
-        }
-    }
-    places
 }
 
 /// Divides points in the order of their codes by the cells around them, until few are left.

@@ -1,6 +1,13 @@
 use lie_octree::Observation;
 
-use super::view::Finding;
+/// What a whole pass showed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Finding {
+    /// Relative RMSE of the picture.
+    pub(crate) error: f32,
+    /// Share of the light evaluations that are in doubt, and traced for that.
+    pub(crate) doubtful: f32,
+}
 
 /// What one pass showed: one sample in every pixel where something is in doubt.
 #[derive(Default)]

@@ -1,12 +1,15 @@
-use glam::{UVec2, Vec2};
-use lie_geom::{RandomKey, Ray};
+use glam::UVec2;
+use lie_geom::RandomKey;
 use lie_octree::{LieSettings, Observation};
 use lie_scene::Camera;
 
 use super::{
     ConstructSettings,
-    sheet::{self, Place, Sheet, Weighing},
-    tally::Tally,
+    pass_rays::PassRays,
+    place::Place,
+    sheet::{self, Sheet, Weighing},
+    square::Square,
+    tally::{Finding, Tally},
 };
 
 /// What somebody looks at: samples are taken where it shows the scene.
@@ -43,63 +46,9 @@ pub(super) struct ViewProgress {
     pub(super) is_typical_known: bool,
 }
 
-/// What a whole pass showed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Finding {
-    /// Relative RMSE of the picture.
-    pub(crate) error: f32,
-    /// Share of the light evaluations that are in doubt, and traced for that.
-    pub(crate) doubtful: f32,
-}
-
 /// Share of a view's light evaluations that may be in doubt when it counts as converged; and
 /// which less must have come out of doubt by two passes for the rest to be left as it is.
 const DOUBTFUL: f32 = 0.01;
-
-/// A part of a view: up to 16 × 16 pixels.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Square {
-    /// Its first pixel.
-    origin: UVec2,
-    /// Columns and rows.
-    size: UVec2,
-}
-
-impl Square {
-    const SIDE: u32 = 16;
-
-    /// Those of a picture, row by row.
-    pub(super) fn all(size: UVec2) -> impl Iterator<Item = Self> {
-        let starts =
-            grid(size.map(|side| side.div_ceil(Self::SIDE))).map(|place| place * Self::SIDE);
-        starts.map(move |origin| Self {
-            origin,
-            size: (size - origin).min(UVec2::splat(Self::SIDE)),
-        })
-    }
-
-    pub(super) fn pixels(&self) -> u64 {
-        u64::from(self.size.x) * u64::from(self.size.y)
-    }
-
-    /// Its pixels, in blocks of up to 4 × 4.
-    pub(super) fn blocks(self) -> impl Iterator<Item = impl Iterator<Item = UVec2>> {
-        let starts = grid(self.size.map(|side| side.div_ceil(4))).map(|block| 4 * block);
-        starts.map(move |start| {
-            let size = (self.size - start).min(UVec2::splat(4));
-            grid(size).map(move |offset| self.origin + start + offset)
-        })
-    }
-}
-
-fn grid(size: UVec2) -> impl Iterator<Item = UVec2> {
-    (0..size.y).flat_map(move |y| (0..size.x).map(move |x| UVec2::new(x, y)))
-}
-
-/// Whether a pass looks where a frame with one sample per pixel does.
-fn goes_through_centres(pass: u64) -> bool {
-    pass.is_multiple_of(2)
-}
 
 /// Squares that are looked at together.
 const SHEET: usize = 1024;
@@ -110,10 +59,7 @@ impl ViewProgress {
     pub(super) fn new(view: View, seed: u64, epoch: u64) -> Self {
         let mut squares: Vec<Square> = Square::all(view.size).collect();
         // Sheets are spread over all of a large picture.
-        squares.sort_by_key(|square| {
-            let place = square.origin / Square::SIDE;
-            (interleaved(place.x) | interleaved(place.y) << 1).reverse_bits()
-        });
+        squares.sort_by_key(Square::spread);
         let key = RandomKey::new(seed).mix(CONSTRUCTION);
         Self {
             view,
@@ -131,22 +77,14 @@ impl ViewProgress {
         }
     }
 
-    /// The camera ray of a pixel in this pass, and the key of its random numbers. The first pass
-    /// and every other go through the pixels' centres, where a frame with one sample per pixel
-    /// looks: what only a single pixel shows is found as well. The passes between go through
-    /// random places.
-    pub(super) fn camera_ray(&self, pixel: UVec2) -> (Ray, RandomKey) {
-        let key = self
-            .key
-            .mix(self.passes)
-            .mix(u64::from(pixel.x) | u64::from(pixel.y) << 32);
-        let offset = if goes_through_centres(self.passes) {
-            Vec2::splat(0.5)
-        } else {
-            key.uniform2(0)
-        };
-        let film = pixel.as_vec2() + offset;
-        (self.view.camera.ray(film, self.view.size), key.mix(1))
+    /// This pass's camera rays.
+    pub(super) fn rays(&self) -> PassRays<'_> {
+        PassRays {
+            camera: &self.view.camera,
+            size: self.view.size,
+            key: self.key,
+            pass: self.passes,
+        }
     }
 
     /// What is random of a neighbourhood but not of its pixels.
@@ -180,7 +118,7 @@ impl ViewProgress {
         self.end_sheet();
         let end = self.squares.len().min(self.looked_at + SHEET);
         let squares = &self.squares[self.looked_at..end];
-        self.sheet = Sheet::new(weighing, self, squares);
+        self.sheet = Sheet::new(weighing, self.rays(), squares);
         self.looked_at = end;
     }
 
@@ -253,16 +191,11 @@ impl ViewProgress {
             mean => mean,
         };
         self.is_typical_known = self.typical > 0.0;
-        if goes_through_centres(self.passes) {
+        if self.rays().goes_through_centres() {
             self.last = [Some(tally.finding(self.typical)), self.last[0]];
         }
         self.passes += 1;
         self.looked_at = 0;
-    }
-
-    /// Whether this pass settles lights by geometry and asks none that it could not settle.
-    pub(super) fn is_survey(&self) -> bool {
-        self.passes == 0
     }
 
     /// Passes that were begun.
@@ -273,10 +206,3 @@ impl ViewProgress {
 
 /// Keeps construction's random numbers apart from the frames'.
 const CONSTRUCTION: u64 = 0x6c69_6573;
-
-/// A number's bits, with a zero between each two.
-fn interleaved(number: u32) -> u64 {
-    (0..32).fold(0, |bits, bit| {
-        bits | u64::from(number >> bit & 1) << (2 * bit)
-    })
-}

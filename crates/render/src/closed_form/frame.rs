@@ -3,10 +3,10 @@ use lie_accel::PACKET;
 use lie_scene::AreaLight;
 use multiversion::multiversion;
 
-use crate::{
-    light_rays::NEAR,
-    point_lanes::{PointLanes, dot, larger, subtract},
-};
+use crate::point_lanes::{PointLanes, dot, larger, subtract};
+
+/// Solid angle in sr that one sample point of a light may stand for before it counts as near.
+pub(crate) const NEAR: f32 = 0.1;
 
 /// A box around a light, along its own axes: what is far from the box is far from the light.
 #[derive(Clone, Debug, PartialEq)]

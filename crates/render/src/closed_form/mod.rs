@@ -11,6 +11,7 @@ mod outline;
 use glam::{DVec3, Vec3};
 use lie_scene::{AreaLight, LightPoint};
 
+pub(crate) use self::frame::NEAR;
 use self::{
     clip::{clipped_middle, clipped_terms},
     edge::{Vector, dot, edge_term, larger, subtract},

@@ -207,7 +207,7 @@ fn what_is_far_has_no_near_samples() {
         let Some((_, _, density)) = point.seen_from(position, &double) else {
             continue;
         };
-        let is_near = 16.0 * density * crate::light_rays::NEAR < 1.0;
+        let is_near = 16.0 * density * NEAR < 1.0;
         let is_far = outlines.is_far(position, 16);
         assert!(!(is_near && is_far), "at {position}");
         far += u32::from(is_far);

@@ -4,8 +4,10 @@ use std::{collections::BTreeSet, sync::Arc};
 
 use lie_scene::{Mosque, mosque};
 
+use glam::{UVec2, Vec3};
+
 use super::*;
-use crate::{Builder, ConstructSettings, View};
+use crate::{Builder, ConstructSettings, View, construct::view::ViewProgress};
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
@@ -50,7 +52,7 @@ fn later_sheet(order: Order, passes: u64, world: &World, builder: &Builder, view
         order,
         prover: builder.prover.as_ref(),
     };
-    Sheet::new(weighing, &progress, &squares)
+    Sheet::new(weighing, progress.rays(), &squares)
 }
 
 fn points(sheet: &Sheet) -> u64 {
