@@ -13,8 +13,8 @@ use crate::{
 pub struct Lie {
     pub(crate) samples: u32,
     /// Samples that lights without evidence carried nothing to, those included that speak
-    /// for the whole that this is a part of. Nobody asked a light that was certain: this starts
-    /// from nothing when one no longer is.
+    /// for the whole that this is a part of. Lights of the region are not asked where they are
+    /// certain, or by a survey: this starts from nothing when one is in it no longer.
     pub(crate) dark: u32,
     pub(crate) lights: Vec<LightEvidence>,
     /// Where it was seen, and what is certain there.
@@ -64,9 +64,10 @@ impl Lie {
     pub(crate) fn part(&self, version: u64) -> Self {
         Self {
             samples: 0,
-            dark: match self.region.settled().next() {
-                Some(_) => 0,
-                None => self.dark / QUARTER,
+            dark: if self.region.is_empty() {
+                self.dark / QUARTER
+            } else {
+                0
             },
             lights: self.lights.iter().map(LightEvidence::part).collect(),
             region: Region::default(),
@@ -112,8 +113,8 @@ impl Lie {
     pub(crate) fn settle(&mut self, region: Region) {
         self.lights.retain(|entry| !region.is_settled(entry.light));
         self.lights.shrink_to_fit();
-        let is_lost = |light| region.proof(light).is_none();
-        if self.region.settled().any(is_lost) {
+        let is_lost = |(light, _)| region.proof(light).is_none();
+        if self.region.lights().any(is_lost) {
             self.dark = 0;
         }
         self.region = region;

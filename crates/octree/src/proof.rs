@@ -113,12 +113,6 @@ impl Region {
         self.place(light).is_some_and(|place| !is_open(place))
     }
 
-    /// Lights that something is certain of.
-    pub(crate) fn settled(&self) -> impl Iterator<Item = u32> {
-        let settled = self.lights().filter(|(_, proof)| *proof != Proof::Open);
-        settled.map(|(light, _)| light)
-    }
-
     /// Takes back what was certain of a light.
     pub(crate) fn reopen(&mut self, light: u32) {
         let Some(place) = self.place(light) else {

@@ -3,6 +3,8 @@
 
 use lie_geom::edge_planes;
 
+use super::union;
+
 /// Triangles as a light without extent sees them, or an eye.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
@@ -52,14 +54,7 @@ impl<const N: usize> FanPlanes<N> {
             let misses = (before & behind) | is_flat;
             near[place] = if misses { 0 } else { 1 << place };
         }
-        let mut width = N;
-        while width > 1 {
-            width /= 2;
-            for place in 0..width {
-                near[place] |= near[place + width];
-            }
-        }
-        near[0]
+        union(&near)
     }
 }
 

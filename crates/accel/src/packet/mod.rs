@@ -256,9 +256,9 @@ fn any(lanes: &[bool; PACKET]) -> bool {
 
 /// All bits that any lane has.
 #[inline(always)]
-fn union(lanes: &[u32; PACKET]) -> u32 {
+fn union<const N: usize>(lanes: &[u32; N]) -> u32 {
     let mut folded = *lanes;
-    let mut width = PACKET;
+    let mut width = N;
     while width > 1 {
         width /= 2;
         for lane in 0..width {

@@ -99,7 +99,7 @@ pub struct Builder {
     past: VecDeque<PastView>,
     /// Samples that others had taken before it.
     epoch: u64,
-    /// Pixels sampled so far, those that show no surface included.
+    /// Pixels sampled so far, those included that show no surface or nothing that is in doubt.
     taken: u64,
 }
 
@@ -112,7 +112,8 @@ pub struct BatchReport {
     pub version: u64,
     /// Samples recorded so far.
     pub samples: u64,
-    /// Pixels that this builder has sampled so far, those that show no surface included.
+    /// Pixels that this builder has sampled so far, those included that show no surface or nothing
+    /// that is in doubt.
     pub taken: u64,
     /// Relative RMSE of the picture over the last pass through the pixels' centres, as far as
     /// samples answer for it: what is certain is counted neither in the error nor in the mean.
@@ -168,7 +169,8 @@ impl Builder {
         &self.world
     }
 
-    /// Pixels that it has sampled so far, those that show no surface included.
+    /// Pixels that it has sampled so far, those included that show no surface or nothing that is in
+    /// doubt.
     #[must_use]
     pub fn taken(&self) -> u64 {
         self.taken
@@ -205,7 +207,7 @@ impl Builder {
                         prover,
                         tree,
                         typical,
-                        is_survey: prover.is_some() && progress.rays().is_survey(),
+                        is_survey: progress.is_survey,
                     };
                     sampling.observe(random, points)
                 })

@@ -37,9 +37,4 @@ impl PassRays<'_> {
     pub(super) fn goes_through_centres(&self) -> bool {
         self.pass.is_multiple_of(2)
     }
-
-    /// Whether this pass settles lights by geometry and asks none that it could not settle.
-    pub(super) fn is_survey(&self) -> bool {
-        self.pass == 0
-    }
 }

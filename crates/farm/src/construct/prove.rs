@@ -106,6 +106,11 @@ impl Prover {
         matches!(self.shafts.target(light), Target::Place(_))
     }
 
+    /// Whether there is any such light.
+    pub(super) fn serves_any(&self) -> bool {
+        self.shafts.has_places()
+    }
+
     /// What is certain between a light and a box.
     fn prove(&self, world: &World, light: u32, ends: Aabb) -> Proof {
         let target = self.shafts.target(light);

@@ -99,8 +99,7 @@ impl LightShaft {
         }
     }
 
-    /// Whether some segment may hit a triangle; in doubt it does.
-    pub(super) fn may_hit(&self, triangle: &Triangle) -> bool {
+    fn may_hit(&self, triangle: &Triangle) -> bool {
         match self {
             Self::Place(shaft) => shaft.may_hit(triangle),
             Self::Boxes(shaft) => shaft.may_hit(triangle),

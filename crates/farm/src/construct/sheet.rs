@@ -1,6 +1,6 @@
 //! Which surface points of a part of a view are worth a sample, and in which order.
 
-use lie_octree::{CellKey, Doubt, LieTree};
+use lie_octree::{CellKey, Doubt, Lie, LieTree};
 use lie_render::World;
 use rayon::prelude::*;
 
@@ -63,7 +63,7 @@ impl Sheet {
         places.par_sort_by_key(|place| place.code);
         let mut neighbourhoods = vec![];
         divide(&places, 0, &mut neighbourhoods);
-        let is_survey = rays.is_survey();
+        let is_survey = weighing.is_survey(rays);
         let weighed: Vec<(Cluster, [u64; 2])> = neighbourhoods
             .into_par_iter()
             .with_min_len(16)
@@ -116,9 +116,14 @@ fn divide<'p>(places: &'p [Place], depth: u32, found: &mut Vec<&'p [Place]>) {
 }
 
 impl Weighing<'_> {
+    /// Whether a pass settles lights by geometry and asks none that it could not settle.
+    pub(super) fn is_survey(self, rays: PassRays<'_>) -> bool {
+        rays.pass == 0 && self.prover.is_some_and(Prover::serves_any)
+    }
+
     /// Keeps the points where something is in doubt. Of the others, how many evaluations of
     /// lights there are, and how many are answered for.
-    fn weigh(self, is_survey: bool, places: &[Place]) -> (Cluster, [u64; 2]) {
+    fn weigh<'p>(self, is_survey: bool, places: &'p [Place]) -> (Cluster, [u64; 2]) {
         if self.order == Order::Space {
             let places = places.to_vec();
             return (Cluster { places, rank: 0 }, [0; 2]);
@@ -131,11 +136,12 @@ impl Weighing<'_> {
             rank: 0,
         };
         let (mut sum, mut passed_over) = (0.0, [0; 2]);
-        let cell = |place: &Place| self.tree.lie_at(place.origin);
-        for part in places.chunk_by(|a, b| std::ptr::eq(cell(a), cell(b))) {
-            let lie = cell(&part[0]);
+        let in_cell = |place: &'p Place| (place, self.tree.lie_at(place.origin));
+        let placed: Vec<(&Place, &Lie)> = places.iter().map(in_cell).collect();
+        for part in placed.chunk_by(|a, b| std::ptr::eq(a.1, b.1)) {
+            let lie = part[0].1;
             let known = lie.doubt(trust, lights, |light| !(is_survey && serves(light)));
-            for place in part {
+            for &(place, _) in part {
                 // What is known of a cell is known of its region.
                 let is_told = trust == 0 || lie.region().bounds.contains(place.origin);
                 let doubt = if is_told { known } else { Doubt::WHOLE };

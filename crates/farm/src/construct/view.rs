@@ -34,6 +34,8 @@ pub(super) struct ViewProgress {
     looked_at: usize,
     /// What is left to learn of those looked at last.
     sheet: Sheet,
+    /// Whether this pass leaves lights for later ones to ask.
+    pub(super) is_survey: bool,
     /// Pixels done in this batch that were not sampled.
     passed_over: u64,
     tally: Tally,
@@ -69,6 +71,7 @@ impl ViewProgress {
             passes: 0,
             looked_at: 0,
             sheet: Sheet::default(),
+            is_survey: false,
             passed_over: 0,
             tally: Tally::default(),
             typical: 0.0,
@@ -119,6 +122,7 @@ impl ViewProgress {
         let end = self.squares.len().min(self.looked_at + SHEET);
         let squares = &self.squares[self.looked_at..end];
         self.sheet = Sheet::new(weighing, self.rays(), squares);
+        self.is_survey = weighing.is_survey(self.rays());
         self.looked_at = end;
     }
 
@@ -178,9 +182,8 @@ impl ViewProgress {
     /// Counts the pixels of a sheet that were not worth a sample.
     fn end_sheet(&mut self) {
         let sheet = std::mem::take(&mut self.sheet);
-        let Sheet { rest, .. } = sheet;
-        self.tally.skip(rest, sheet.evaluated, sheet.answered);
-        self.passed_over += rest;
+        self.tally.skip(sheet.rest, sheet.evaluated, sheet.answered);
+        self.passed_over += sheet.rest;
     }
 
     fn end_pass(&mut self) {
@@ -191,8 +194,11 @@ impl ViewProgress {
             mean => mean,
         };
         self.is_typical_known = self.typical > 0.0;
-        if self.rays().goes_through_centres() {
-            self.last = [Some(tally.finding(self.typical)), self.last[0]];
+        let found = tally.finding(self.typical);
+        // Of lights that it leaves for later, a survey does not know how wrong they will be.
+        let is_known = !self.is_survey || found.doubtful <= DOUBTFUL;
+        if self.rays().goes_through_centres() && is_known {
+            self.last = [Some(found), self.last[0]];
         }
         self.passes += 1;
         self.looked_at = 0;
