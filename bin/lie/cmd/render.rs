@@ -98,8 +98,8 @@ pub(crate) struct Construction {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     split: Option<u32>,
     /// Samples that must come from a cell at once for it to split: cells of a few pixels
-    /// would never see enough of their lights. With --trust 0 twice as many, less one. 1 is the
-    /// paper.
+    /// would never see enough of their lights. With --trust 0 twice as many, less one, if
+    /// lights have an extent. 1 is the paper.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     split_samples: Option<u32>,
     /// Occluders of one light in one cell above which its shadow rays go through the scene,

@@ -16,8 +16,7 @@ pub struct LieSettings {
     /// A cell with more occluders than this, summed over its lights, splits.
     pub split_threshold: u32,
     /// Observations that must come together from a cell for it to split: cells of a few
-    /// pixels would never see enough of their lights. Where nothing is doubted what they have not
-    /// seen is wrong, and it takes twice as many, less one. 1 is the paper.
+    /// pixels would never see enough of their lights. 1 is the paper.
     pub split_samples: u32,
     /// Samples that must agree on a light in a cell before shaders rely on it, if it gives
     /// all of a pixel's light; in proportion fewer if it gives less. Until then shaders
@@ -47,16 +46,6 @@ impl Default for LieSettings {
             inherit: true,
             crowd: 256,
             masking: 0.0,
-        }
-    }
-}
-
-impl LieSettings {
-    /// Observations that must come together from a cell for it to split by what they show.
-    fn dense(&self) -> u32 {
-        match self.trust {
-            0 => self.split_samples.saturating_mul(2).saturating_sub(1),
-            _ => self.split_samples,
         }
     }
 }
@@ -260,7 +249,7 @@ impl LieTree {
             self.changed.insert(key);
         }
         let too_complex = lie.complexity(settings.crowd) > settings.split_threshold as usize;
-        let dense = group.len() >= settings.dense() as usize;
+        let dense = group.len() >= settings.split_samples as usize;
         // Where something was to be proven, whoever tried it splits.
         let is_free = !lie.region().lights().any(|entry| entry.1 == Proof::Open);
         if is_free && too_complex && dense && key.depth() < settings.max_depth {

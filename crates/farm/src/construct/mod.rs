@@ -81,6 +81,18 @@ impl ConstructSettings {
     }
 }
 
+impl ConstructSettings {
+    /// Where nothing is doubted, what a cell has not seen of a light with an extent is wrong, and
+    /// each point sees some of it alone: it takes twice as many points, less one, to split. A
+    /// light without extent is known for good where it was seen.
+    fn for_scene(mut self, scene: &lie_scene::Scene) -> Self {
+        if self.lie.trust == 0 && !scene.lights.iter().all(lie_scene::Light::is_delta) {
+            self.lie.split_samples = self.lie.split_samples.saturating_mul(2).saturating_sub(1);
+        }
+        self
+    }
+}
+
 /// Constructs LIEs by sampling views (LIE §4.1), in batches.
 ///
 /// A batch is observed by many threads against the tree as it stands, and then recorded by
@@ -136,6 +148,7 @@ impl Builder {
         world: Arc<World>,
         settings: ConstructSettings,
     ) -> Result<Self, rayon::ThreadPoolBuildError> {
+        let settings = settings.for_scene(world.scene());
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(settings.threads)
             .thread_name(|index| format!("construct-{index}"))
