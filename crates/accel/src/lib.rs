@@ -6,7 +6,7 @@
 //! operations in the same order as the scalar [`lie_geom::Triangle::intersect`], whatever
 //! vector unit the machine has, so results are the same bits everywhere: no fused
 //! multiply-adds, and of two hits at the same distance the smaller triangle index wins.
-//! Vector code is chosen at run time (`multiversion`); no compiler flags are needed.
+//! Vector code is chosen at run time (`fearless_simd`, `multiversion`); no compiler flags are needed.
 //!
 //! This crate is the only one that knows obvhs.
 //!

@@ -67,16 +67,6 @@ impl Node {
         node
     }
 
-    /// One child's box: minima and maxima by axis.
-    #[inline(always)]
-    pub(crate) fn bounds(&self, lane: usize) -> ([f32; 3], [f32; 3]) {
-        let plane = |index: usize| self.planes[index][lane];
-        (
-            [plane(0), plane(2), plane(4)],
-            [plane(1), plane(3), plane(5)],
-        )
-    }
-
     /// Where a ray enters each child's box, or infinity.
     #[inline(always)]
     pub(crate) fn entries(&self, ray: &SlabRay, t_max: f32) -> [f32; WIDTH] {
@@ -106,9 +96,9 @@ impl Node {
     }
 }
 
-/// 1 + 2 γ₃: makes the slab test conservative under rounding (Ize 2013, *Robust BVH Ray
-/// Traversal*).
-pub(crate) const WIDER: f32 = 1.0 + 6.0 * f32::EPSILON / 2.0 * 1.01;
+/// 1 + 2 γ₄: makes the slab test conservative under rounding (Ize 2013, *Robust BVH Ray
+/// Traversal*, which has γ₃), where this is multiplied with the inverse direction first as well.
+pub(crate) const WIDER: f32 = 1.0 + 8.0 * f32::EPSILON / 2.0 * 1.01;
 
 /// What the slab test needs of a ray.
 pub(crate) struct SlabRay {
@@ -131,18 +121,20 @@ impl SlabRay {
     }
 }
 
+/// What stands for an infinite inverse of a direction.
+pub(crate) const LARGEST_INVERSE: f32 = 1.0e30;
+
 /// One over a direction, with infinities made large instead: zero times the result is zero.
 ///
 /// Comparisons instead of `clamp`: the same two instructions whatever the input.
 #[allow(clippy::manual_clamp)]
 #[inline(always)]
 pub(crate) fn inverse(direction: f32) -> f32 {
-    const LARGEST: f32 = 1.0e30;
     let inverse = 1.0 / direction;
-    if inverse > LARGEST {
-        LARGEST
-    } else if inverse < -LARGEST {
-        -LARGEST
+    if inverse > LARGEST_INVERSE {
+        LARGEST_INVERSE
+    } else if inverse < -LARGEST_INVERSE {
+        -LARGEST_INVERSE
     } else {
         inverse
     }

@@ -26,6 +26,6 @@ pub use aabb::Aabb;
 pub use random::RandomKey;
 pub use ray::{Hit, OFFSET_ULPS, Ray, SHADOW_T_MAX, offset_origin};
 pub use triangle::{
-    EdgeWeights, LaneHit, Triangle, TriangleHit, edge_planes, edge_weights, intersect_lane,
-    plane_distance, plane_offset, weights_of,
+    EdgeWeights, LaneHit, Number, Triangle, TriangleHit, dot, edge_planes, edge_weights,
+    intersect_lane, plane_distance, plane_offset, weights_of,
 };

@@ -1,6 +1,13 @@
+use std::ops::{Add, Mul, Sub};
+
 use glam::Vec3;
 
 use crate::{Aabb, Ray};
+
+/// A number, or a vector of numbers: the steps of [`intersect_lane`] serve both, with the same bits.
+pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
+
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 
 /// A triangle with its plane's normal, ready to be intersected.
 ///
@@ -145,23 +152,25 @@ pub fn intersect_lane(
 /// distance. The first half of [`intersect_lane`], for kernels that stop here when no lane
 /// passes inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeWeights {
+pub struct EdgeWeights<T = f32> {
     /// Weight of vertex `a`.
-    pub a: f32,
+    pub a: T,
     /// Weight of vertex `b`.
-    pub b: f32,
+    pub b: T,
     /// Weight of vertex `c`.
-    pub c: f32,
+    pub c: T,
 }
 
-impl EdgeWeights {
+impl<T: Number> EdgeWeights<T> {
     /// Sum of the three.
     #[must_use]
     #[inline(always)]
-    pub fn sum(self) -> f32 {
+    pub fn sum(self) -> T {
         self.a + self.b + self.c
     }
+}
 
+impl EdgeWeights {
     /// Whether the ray's line passes inside, on either side of the triangle.
     ///
     /// Rounding can give a ray in the triangle's plane a finite distance, but all weights
@@ -179,7 +188,11 @@ impl EdgeWeights {
 /// edge.
 #[must_use]
 #[inline(always)]
-pub fn edge_weights(corners: [[f32; 3]; 3], origin: [f32; 3], direction: [f32; 3]) -> EdgeWeights {
+pub fn edge_weights<T: Number>(
+    corners: [[T; 3]; 3],
+    origin: [T; 3],
+    direction: [T; 3],
+) -> EdgeWeights<T> {
     weights_of(edge_planes(corners, origin), direction)
 }
 
@@ -187,7 +200,7 @@ pub fn edge_weights(corners: [[f32; 3]; 3], origin: [f32; 3], direction: [f32; 3
 /// vertex: what the edge functions have in common for all rays from there. Not normalised.
 #[must_use]
 #[inline(always)]
-pub fn edge_planes([a, b, c]: [[f32; 3]; 3], origin: [f32; 3]) -> [[f32; 3]; 3] {
+pub fn edge_planes<T: Number>([a, b, c]: [[T; 3]; 3], origin: [T; 3]) -> [[T; 3]; 3] {
     let v0 = subtract(a, origin);
     let v1 = subtract(b, origin);
     let v2 = subtract(c, origin);
@@ -201,7 +214,7 @@ pub fn edge_planes([a, b, c]: [[f32; 3]; 3], origin: [f32; 3]) -> [[f32; 3]; 3] 
 /// [`edge_weights`] of a ray from where [`edge_planes`] start.
 #[must_use]
 #[inline(always)]
-pub fn weights_of([a, b, c]: [[f32; 3]; 3], direction: [f32; 3]) -> EdgeWeights {
+pub fn weights_of<T: Number>([a, b, c]: [[T; 3]; 3], direction: [T; 3]) -> EdgeWeights<T> {
     EdgeWeights {
         a: dot(a, direction),
         b: dot(b, direction),
@@ -225,22 +238,22 @@ pub fn plane_distance(
 /// How far a plane through `corner` is from an origin, along its normal.
 #[must_use]
 #[inline(always)]
-pub fn plane_offset(corner: [f32; 3], normal: [f32; 3], origin: [f32; 3]) -> f32 {
+pub fn plane_offset<T: Number>(corner: [T; 3], normal: [T; 3], origin: [T; 3]) -> T {
     dot(subtract(corner, origin), normal)
 }
 
 #[inline(always)]
-fn subtract(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+fn subtract<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-fn add(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+fn add<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 #[inline(always)]
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+fn cross<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -248,8 +261,10 @@ fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     ]
 }
 
+/// The scalar product of two vectors.
+#[must_use]
 #[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub fn dot<T: Number>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use lie_geom::{Hit, RandomKey, Ray};
 use lie_scene::{Geometry, MeshPart, Vertex};
 
-use crate::{Accel, Bvh, Cutout, PACKET, RayPacket};
+use crate::{Accel, Bvh, Cutout, PACKET, RayPacket, packet::vector::on_each_unit};
 
 /// A soup of small random triangles, with some degenerate, some large and some twice.
 pub(crate) fn soup(count: u32, seed: u64) -> Geometry {
@@ -99,6 +99,10 @@ pub(crate) fn brute_force(
 
 fn check(geometry: &Geometry, cutout: Option<Arc<dyn Cutout>>, rays: &[Ray]) {
     let bvh = Bvh::build(geometry, cutout.clone());
+    on_each_unit(|| check_rays(&bvh, geometry, cutout.as_deref(), rays));
+}
+
+fn check_rays(bvh: &Bvh, geometry: &Geometry, cutout: Option<&dyn Cutout>, rays: &[Ray]) {
     let mut hits = 0;
     for packet in rays.chunks(PACKET) {
         let together = RayPacket::new(packet);
@@ -106,7 +110,7 @@ fn check(geometry: &Geometry, cutout: Option<Arc<dyn Cutout>>, rays: &[Ray]) {
         let blocked = bvh.blocked_packet(&together);
         let blockers = bvh.blocker_packet(&together);
         for (lane, ray) in packet.iter().enumerate() {
-            let expected = brute_force(geometry, ray, cutout.as_deref());
+            let expected = brute_force(geometry, ray, cutout);
             assert_eq!(bvh.closest(ray), expected, "{ray:?}");
             assert_eq!(closest[lane], expected, "packet lane {lane}: {ray:?}");
             assert_eq!(blocked >> lane & 1 == 1, expected.is_some());
@@ -259,4 +263,97 @@ fn a_ray_within_a_face_of_the_bounds_misses_nothing() {
             }
         }
     }
+}
+
+#[test]
+fn fans_of_rays_agree_with_brute_force() {
+    let geometry = soup(2000, 21);
+    let bvh = Bvh::build(&geometry, None);
+    let key = RandomKey::new(22);
+    let vector = |n: u32| {
+        let xy = key.uniform2(2 * n);
+        Vec3::new(xy.x, xy.y, key.uniform(2 * n + 1)) * 2.0 - Vec3::ONE
+    };
+    on_each_unit(|| {
+        let mut blocked = 0;
+        for fan in 0..150 {
+            let apex = 7.0 * vector(40 * fan);
+            // Close together, or all around: then they do not go one way.
+            let spread = if fan % 2 == 0 { 0.3 } else { 9.0 };
+            let target = 5.0 * vector(40 * fan + 1);
+            let end = |lane: u32| target + spread * vector(40 * fan + 2 + lane);
+            let mut ends = [[0.0; PACKET]; 3];
+            for lane in 0..PACKET {
+                for axis in 0..3 {
+                    ends[axis][lane] = end(lane as u32)[axis];
+                }
+            }
+            let lanes = 0xffff >> (fan % 5);
+            let packet = RayPacket::fan(apex.to_array(), &ends, lanes);
+            let hits = bvh.closest_packet(&packet);
+            let expected: [Option<Hit>; PACKET] = std::array::from_fn(|lane| {
+                let ray = Ray::segment_from(apex, end(lane as u32));
+                let is_active = lanes >> lane & 1 == 1;
+                brute_force(&geometry, &ray, None).filter(|_| is_active)
+            });
+            assert_eq!(hits, expected, "fan {fan}");
+            for (lane, hit) in hits.iter().enumerate() {
+                assert_eq!(bvh.blocked_packet(&packet) >> lane & 1 == 1, hit.is_some());
+                blocked += u32::from(hit.is_some());
+            }
+        }
+        assert!(blocked > 100, "{blocked}");
+    });
+}
+
+#[test]
+fn enormous_and_tiny_triangles_are_hit_as_brute_force_hits_them() {
+    for scale in [1.0e-39, 1.0e-20, 1.0e9, 1.0e18, 3.0e37] {
+        let small = soup(400, 31);
+        let corners: Vec<Vec3> = small
+            .shapes()
+            .iter()
+            .flat_map(|shape| [shape.a, shape.b, shape.c])
+            .map(|corner| corner * scale)
+            .collect();
+        let geometry = geometry(&corners);
+        let bvh = Bvh::build(&geometry, None);
+        let scaled = |ray: &Ray| Ray {
+            origin: ray.origin * scale,
+            ..*ray
+        };
+        let rays: Vec<Ray> = rays(150, 32).iter().map(scaled).collect();
+        on_each_unit(|| {
+            for packet in rays.chunks(PACKET) {
+                let closest = bvh.closest_packet(&RayPacket::new(packet));
+                for (lane, ray) in packet.iter().enumerate() {
+                    let expected = brute_force(&geometry, ray, None);
+                    assert_eq!(bvh.closest(ray), expected, "times {scale}: {ray:?}");
+                    assert_eq!(closest[lane], expected, "times {scale}: {ray:?}");
+                }
+            }
+        });
+    }
+}
+
+#[test]
+fn rays_through_vertices_and_along_edges_are_the_scalar_tests() {
+    let geometry = soup(300, 41);
+    let bvh = Bvh::build(&geometry, None);
+    let mut rays = vec![];
+    for shape in geometry.shapes().iter().take(60) {
+        rays.push(Ray::new(shape.a + Vec3::Z, Vec3::NEG_Z));
+        rays.push(Ray::new(shape.b - Vec3::X * 3.0, Vec3::X));
+        rays.push(Ray::new(shape.a - (shape.b - shape.a), shape.b - shape.a));
+        rays.push(Ray::new(shape.c, shape.a - shape.c));
+    }
+    on_each_unit(|| {
+        for packet in rays.chunks(PACKET) {
+            let closest = bvh.closest_packet(&RayPacket::new(packet));
+            for (lane, ray) in packet.iter().enumerate() {
+                let expected = brute_force(&geometry, ray, None);
+                assert_eq!((bvh.closest(ray), closest[lane]), (expected, expected));
+            }
+        }
+    });
 }

@@ -1,13 +1,21 @@
 //! What holds for every ray of a packet, so that a node's eight boxes are passed over
 //! together, sixteen rays at a time.
 
-use super::{Lanes, PACKET, RayPacket};
+use fearless_simd::{f32x8, prelude::*};
+
+use super::{
+    rays::{Ahead, Rays},
+    vector::{Wide, extremes},
+};
 use crate::node::{Node, WIDER, WIDTH};
+
+/// One number for each child of a node.
+type Children<S> = f32x8<S>;
 
 /// Intervals around the rays of a packet (Boulos, Wald and Shirley 2006, *Geometric and
 /// Arithmetic Culling Methods for Entire Ray Packets*).
 ///
-/// Invariant: a box that one of the rays enters by the test of [`RayPacket::enters`] is
+/// Invariant: a box that one of the rays enters by the test of [`SlabRays::enter`](super::slab::SlabRays::enter) is
 /// entered by the bounds, and no later. Rounding is monotonic, so the same operations on the
 /// ends of an interval bound those on what is within.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +36,8 @@ enum AxisBounds {
         far_origin: f32,
         /// Least and largest inverse direction.
         inverse: [f32; 2],
+        /// The same, somewhat larger.
+        wider: [f32; 2],
     },
     /// They do not: all that is known is between which coordinates they run.
     BothWays {
@@ -41,26 +51,46 @@ enum AxisBounds {
 impl PacketBounds {
     /// The bounds of a packet's active rays; `None` if there are none.
     #[inline(always)]
-    pub(crate) fn new(packet: &RayPacket, inverse: &[Lanes; 3]) -> Option<Self> {
-        let t_min = packet.extremes(&packet.t_min)[0];
+    pub(crate) fn new<S: Simd>(
+        rays: &Rays<S>,
+        inverse: &[Wide<S>; 3],
+        ahead: &Ahead<S>,
+    ) -> Option<Self> {
+        let t_min = extremes(rays.simd, rays.t_min, ahead.active)[0];
         if t_min == f32::INFINITY {
             return None;
         }
-        // One by one: a closure would be compiled apart, without the vector unit.
         let axes = [
-            AxisBounds::new(packet, inverse, 0),
-            AxisBounds::new(packet, inverse, 1),
-            AxisBounds::new(packet, inverse, 2),
+            AxisBounds::new(rays, inverse, ahead, 0),
+            AxisBounds::new(rays, inverse, ahead, 1),
+            AxisBounds::new(rays, inverse, ahead, 2),
         ];
         Some(Self { axes, t_min })
     }
 
-    /// Where the rays enter each child's box at the soonest, or infinity: those before
-    /// `farthest` alone count.
+    /// The planes of a box that all rays meet first, by axis, as of [`Node`]; `None` if they do
+    /// not all go the same ways.
     #[inline(always)]
-    pub(crate) fn entries(&self, node: &Node, farthest: f32) -> [f32; WIDTH] {
-        let mut enter = [self.t_min; WIDTH];
-        let mut leave = [farthest; WIDTH];
+    pub(crate) fn near(&self) -> Option<[usize; 3]> {
+        let near = |axis: usize| match self.axes[axis] {
+            AxisBounds::OneWay { near, .. } => Some(near),
+            AxisBounds::BothWays { .. } => None,
+        };
+        Some([near(0)?, near(1)?, near(2)?])
+    }
+
+    /// Where the rays enter each child's box at the soonest, and which they may enter before
+    /// `farthest`: bit `i` for child `i`.
+    #[inline(always)]
+    pub(crate) fn entries<S: Simd>(
+        &self,
+        simd: S,
+        node: &Node,
+        farthest: f32,
+    ) -> ([f32; WIDTH], u32) {
+        let plane = |index: usize| Children::simd_from(simd, node.planes[index]);
+        let mut enter = Children::splat(simd, self.t_min);
+        let mut leave = Children::splat(simd, farthest);
         for axis in &self.axes {
             match *axis {
                 AxisBounds::OneWay {
@@ -68,47 +98,38 @@ impl PacketBounds {
                     near_origin,
                     far_origin,
                     inverse,
+                    wider,
                 } => {
-                    let (first, last) = (&node.planes[near], &node.planes[near ^ 1]);
-                    for child in 0..WIDTH {
-                        let way = first[child] - near_origin;
-                        let t = smaller(way * inverse[0], way * inverse[1]);
-                        enter[child] = larger(t, enter[child]);
-                        let way = last[child] - far_origin;
-                        let t = larger(way * inverse[0], way * inverse[1]) * WIDER;
-                        leave[child] = smaller(t, leave[child]);
-                    }
+                    let way = plane(near) - near_origin;
+                    enter = (way * inverse[0]).min(way * inverse[1]).max(enter);
+                    let way = plane(near ^ 1) - far_origin;
+                    let t = (way * wider[0]).max(way * wider[1]);
+                    leave = t.min(leave);
                 }
                 AxisBounds::BothWays { low, run } => {
-                    let (lowest, highest) = (&node.planes[low], &node.planes[low ^ 1]);
-                    for child in 0..WIDTH {
-                        let apart = (lowest[child] > run[1]) | (highest[child] < run[0]);
-                        enter[child] = if apart { f32::INFINITY } else { enter[child] };
-                    }
+                    let apart = plane(low).simd_gt(run[1]) | plane(low ^ 1).simd_lt(run[0]);
+                    enter = apart.select(Children::splat(simd, f32::INFINITY), enter);
                 }
             }
         }
-        let mut entries = [f32::INFINITY; WIDTH];
-        for child in 0..WIDTH {
-            if enter[child] <= leave[child] {
-                entries[child] = enter[child];
-            }
-        }
-        entries
+        let entered = enter.simd_le(leave) & enter.simd_lt(f32::INFINITY);
+        (enter.into(), entered.to_bitmask() as u32)
     }
 }
 
 impl AxisBounds {
     #[inline(always)]
-    fn new(packet: &RayPacket, inverse: &[Lanes; 3], axis: usize) -> Self {
-        let origins = packet.extremes(&packet.origin[axis]);
-        let inverses = packet.extremes(&inverse[axis]);
+    fn new<S: Simd>(rays: &Rays<S>, inverse: &[Wide<S>; 3], ahead: &Ahead<S>, axis: usize) -> Self {
+        let origins = extremes(rays.simd, rays.start[axis], ahead.active);
+        let inverses = extremes(rays.simd, inverse[axis], ahead.active);
+        let wider = inverses.map(|inverse| inverse * WIDER);
         if inverses[0] > 0.0 {
             Self::OneWay {
                 near: 2 * axis,
                 near_origin: origins[1],
                 far_origin: origins[0],
                 inverse: inverses,
+                wider,
             }
         } else if inverses[1] < 0.0 {
             Self::OneWay {
@@ -116,51 +137,33 @@ impl AxisBounds {
                 near_origin: origins[0],
                 far_origin: origins[1],
                 inverse: inverses,
+                wider,
             }
         } else {
             Self::BothWays {
                 low: 2 * axis,
-                run: Self::run(packet, axis),
+                run: Self::run(rays, ahead, axis),
             }
         }
     }
 
     /// Between which coordinates the rays run, with room for rounding.
     #[inline(always)]
-    fn run(packet: &RayPacket, axis: usize) -> [f32; 2] {
+    fn run<S: Simd>(rays: &Rays<S>, ahead: &Ahead<S>, axis: usize) -> [f32; 2] {
         const ROOM: f32 = 16.0 * f32::EPSILON;
-        let (start, direction) = (&packet.origin[axis], &packet.direction[axis]);
-        let mut ends = [[0.0; PACKET]; 2];
-        let mut starts = [[0.0; PACKET]; 2];
-        for lane in 0..PACKET {
-            let room = |way: f32| ROOM * (start[lane].abs() + smaller(way.abs(), f32::MAX));
+        let (start, direction) = (rays.start[axis], rays.way[axis]);
+        let zero = Wide::splat(rays.simd, 0.0);
+        let stands = direction.simd_eq(0.0);
+        let run = |t: Wide<S>| {
             // Nowhere times for ever is nowhere.
-            let way = |t: f32| {
-                if direction[lane] == 0.0 {
-                    0.0
-                } else {
-                    direction[lane] * t
-                }
-            };
-            let (near, far) = (way(packet.t_min[lane]), way(packet.t_max[lane]));
-            starts[0][lane] = start[lane] + near - room(near);
-            starts[1][lane] = start[lane] + near + room(near);
-            ends[0][lane] = start[lane] + far - room(far);
-            ends[1][lane] = start[lane] + far + room(far);
-        }
-        [
-            smaller(packet.extremes(&starts[0])[0], packet.extremes(&ends[0])[0]),
-            larger(packet.extremes(&starts[1])[1], packet.extremes(&ends[1])[1]),
-        ]
+            let way = stands.select(zero, direction * t);
+            let room = (start.abs() + way.abs().min(f32::MAX)) * ROOM;
+            let end = start + way;
+            let least = extremes(rays.simd, end - room, ahead.active)[0];
+            let most = extremes(rays.simd, end + room, ahead.active)[1];
+            [least, most]
+        };
+        let (near, far) = (run(rays.t_min), run(ahead.bound));
+        [near[0].min(far[0]), near[1].max(far[1])]
     }
-}
-
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }

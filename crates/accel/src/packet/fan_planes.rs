@@ -1,66 +1,56 @@
-//! What all rays from one place have in common of `N` triangles, worked out for all of these
-//! together.
+//! What all rays from one place have in common of some triangles, worked out for all of these
+//! together, eight or sixteen to a vector.
 
+use fearless_simd::prelude::*;
 use lie_geom::edge_planes;
 
-use super::union;
+use super::vector::{load_axes, splat_axes};
 
-/// Triangles as a light without extent sees them, or an eye.
-#[derive(Clone, Debug)]
-#[repr(align(64))]
-pub(super) struct FanPlanes<const N: usize> {
-    /// The planes through the apex and each edge, as of [`edge_planes`].
-    planes: [[[f32; N]; 3]; 3],
+/// The planes through an apex and each edge of some triangles, as of [`edge_planes`]: edge by
+/// edge, and axis by axis.
+pub(super) type FanPlanes<V> = [[V; 3]; 3];
+
+/// The planes of the triangles with these corners.
+#[inline(always)]
+pub(super) fn fan_planes<S: Simd, V: SimdFloat<S, Element = f32>>(
+    simd: S,
+    corners: &[[V::Array; 3]; 3],
+    apex: [f32; 3],
+) -> FanPlanes<V> {
+    let corners: [[V; 3]; 3] = [
+        load_axes(simd, &corners[0]),
+        load_axes(simd, &corners[1]),
+        load_axes(simd, &corners[2]),
+    ];
+    edge_planes(corners, splat_axes(simd, apex))
 }
 
-impl<const N: usize> FanPlanes<N> {
-    /// Those of some triangles, by their corners.
-    #[inline(always)]
-    pub(super) fn new(corners: &[[[f32; N]; 3]; 3], apex: [f32; 3]) -> Self {
-        let mut planes = [[[0.0; N]; 3]; 3];
-        for place in 0..N {
-            let edges = edge_planes(all_at(corners, place), apex);
-            for edge in 0..3 {
-                for axis in 0..3 {
-                    planes[edge][axis][place] = edges[edge][axis];
-                }
-            }
-        }
-        Self { planes }
-    }
-
-    /// One triangle's planes.
-    #[inline(always)]
-    pub(super) fn of(&self, place: usize) -> [[f32; 3]; 3] {
-        all_at(&self.planes, place)
-    }
-
-    /// The triangles that some ray's line may pass inside: bit `i` for triangle `i`. `ways` are
-    /// the ends of the interval that the rays' directions lie in, axis by axis.
-    ///
-    /// Rounding is monotonic, so what the same operations make of an interval's ends bounds
-    /// what they make of a ray. Places that hold no triangle are near nothing.
-    #[inline(always)]
-    pub(super) fn near(&self, ways: [[f32; 3]; 2]) -> u32 {
-        let mut near = [0u32; N];
-        for place in 0..N {
-            let a = interval(at(&self.planes[0], place), ways);
-            let b = interval(at(&self.planes[1], place), ways);
-            let c = interval(at(&self.planes[2], place), ways);
-            let before = (a[0] > 0.0) | (b[0] > 0.0) | (c[0] > 0.0);
-            let behind = (a[1] < 0.0) | (b[1] < 0.0) | (c[1] < 0.0);
-            let is_zero = |[least, most]: [f32; 2]| (least == 0.0) & (most == 0.0);
-            let is_flat = is_zero(a) & is_zero(b) & is_zero(c);
-            let misses = (before & behind) | is_flat;
-            near[place] = if misses { 0 } else { 1 << place };
-        }
-        union(&near)
-    }
+/// The triangles that some ray's line may pass inside: bit `i` for triangle `i`. `ways` are
+/// the ends of the interval that the rays' directions lie in, axis by axis.
+///
+/// Rounding is monotonic, so what the same operations make of an interval's ends bounds
+/// what they make of a ray. Places that hold no triangle are near nothing.
+#[inline(always)]
+pub(super) fn near<S: Simd, V: SimdFloat<S, Element = f32>>(
+    planes: &FanPlanes<V>,
+    ways: [[f32; 3]; 2],
+) -> u32 {
+    let [a, b, c] = [
+        interval(planes[0], ways),
+        interval(planes[1], ways),
+        interval(planes[2], ways),
+    ];
+    let before = a[0].max(b[0]).max(c[0]).simd_gt(0.0);
+    let behind = a[1].min(b[1]).min(c[1]).simd_lt(0.0);
+    let lowest = a[0].min(b[0]).min(c[0]);
+    let highest = a[1].max(b[1]).max(c[1]);
+    let is_flat = lowest.simd_eq(0.0) & highest.simd_eq(0.0);
+    (!((before & behind) | is_flat)).to_bitmask() as u32
 }
 
 /// The least and the most that a scalar product may be.
 #[inline(always)]
-fn interval(plane: [f32; 3], ways: [[f32; 3]; 2]) -> [f32; 2] {
+fn interval<S: Simd, V: SimdFloat<S, Element = f32>>(plane: [V; 3], ways: [[f32; 3]; 2]) -> [V; 2] {
     let x = ends(plane[0] * ways[0][0], plane[0] * ways[1][0]);
     let y = ends(plane[1] * ways[0][1], plane[1] * ways[1][1]);
     let z = ends(plane[2] * ways[0][2], plane[2] * ways[1][2]);
@@ -68,8 +58,18 @@ fn interval(plane: [f32; 3], ways: [[f32; 3]; 2]) -> [f32; 2] {
 }
 
 #[inline(always)]
-fn ends(a: f32, b: f32) -> [f32; 2] {
-    [if a < b { a } else { b }, if a < b { b } else { a }]
+fn ends<S: Simd, V: SimdFloat<S>>(a: V, b: V) -> [V; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// One triangle's planes.
+#[inline(always)]
+pub(super) fn edges<S: Simd, V: SimdFloat<S, Element = f32>>(
+    planes: &FanPlanes<V>,
+    place: usize,
+) -> [[f32; 3]; 3] {
+    let at = |plane: &[V; 3]| [plane[0][place], plane[1][place], plane[2][place]];
+    [at(&planes[0]), at(&planes[1]), at(&planes[2])]
 }
 
 /// One place of three coordinates.

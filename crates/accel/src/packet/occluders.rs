@@ -1,14 +1,15 @@
 //! Packets against short lists of triangles, without a tree: what is left of a shadow ray
 //! where it is known what may be in the way.
 
+use fearless_simd::prelude::*;
 use lie_geom::{Aabb, Triangle, plane_offset};
-use multiversion::multiversion;
 
 use super::{
     Lanes, PACKET, RayPacket,
-    fan_planes::{FanPlanes, all_at, at},
-    finish,
+    fan_planes::{all_at, at, fan_planes, near},
     hits::PacketHits,
+    rays::{Ahead, Rays},
+    vector::{Wide, bits_of, load_axes, on_vectors, splat_axes},
 };
 use crate::Cutout;
 
@@ -51,7 +52,8 @@ pub struct FanOccluders {
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 struct FanPart {
-    seen: FanPlanes<PACKET>,
+    /// The planes through the apex and each edge, as of [`lie_geom::edge_planes`].
+    planes: [[Lanes; 3]; 3],
     normal: [Lanes; 3],
     /// As of [`plane_offset`].
     offset: Lanes,
@@ -105,7 +107,8 @@ impl FanOccluders {
     pub fn look_from(&mut self, apex: [f32; 3], blocks: &OccluderBlocks, parts: &[BlockPart]) {
         self.apex = apex;
         self.parts.clear();
-        look_from(&mut self.parts, apex, &blocks.blocks, parts);
+        let seen = &mut self.parts;
+        on_vectors!(simd => look_from(simd, seen, apex, &blocks.blocks, parts));
     }
 }
 
@@ -121,7 +124,7 @@ impl RayPacket {
         ends: Aabb,
         cutout: Option<&dyn Cutout>,
     ) -> u32 {
-        blocked_by_fan(self, list, ends, cutout)
+        on_vectors!(simd => blocked_by_fan(simd, self, list, ends, cutout))
     }
 
     /// Which rays any triangle of a list blocks, wherever they start.
@@ -133,56 +136,53 @@ impl RayPacket {
         parts: &[BlockPart],
         cutout: Option<&dyn Cutout>,
     ) -> u32 {
-        blocked_by_parts(self, &blocks.blocks, parts, cutout)
+        on_vectors!(simd => blocked_by_parts(simd, self, &blocks.blocks, parts, cutout))
     }
 
     /// Which rays one triangle blocks, were it solid: bit `i` for ray `i`.
     #[must_use]
     pub fn blocked_by(&self, triangle: &Triangle) -> u32 {
-        blocked_by(self, triangle)
+        on_vectors!(simd => blocked_by(simd, self, triangle))
     }
 }
 
-#[multiversion(targets(
-    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn blocked_by(packet: &RayPacket, triangle: &Triangle) -> u32 {
+#[inline(always)]
+fn blocked_by<S: Simd>(simd: S, packet: &RayPacket, triangle: &Triangle) -> u32 {
     let corners = [triangle.a, triangle.b, triangle.c].map(|corner| corner.to_array());
-    packet
-        .intersect((corners, triangle.normal.to_array()), &packet.t_max)
-        .map_or(0, |hits| hits.mask())
+    let (rays, ahead) = (Rays::new(simd, packet), Ahead::new(simd, packet));
+    rays.intersect((corners, triangle.normal.to_array()), &ahead)
+        .map_or(0, |hits| bits_of(hits.rays))
 }
 
-#[multiversion(targets(
-    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn look_from(seen: &mut Vec<FanPart>, apex: [f32; 3], blocks: &[Block], parts: &[BlockPart]) {
+#[inline(always)]
+fn look_from<S: Simd>(
+    simd: S,
+    seen: &mut Vec<FanPart>,
+    apex: [f32; 3],
+    blocks: &[Block],
+    parts: &[BlockPart],
+) {
     for part in parts {
         let Some(block) = blocks.get(part.block as usize) else {
             continue;
         };
-        let mut offset = [0.0; PACKET];
-        for place in 0..PACKET {
-            let corner = at(&block.corners[0], place);
-            offset[place] = plane_offset(corner, at(&block.normal, place), apex);
-        }
+        let planes = fan_planes::<S, Wide<S>>(simd, &block.corners, apex);
+        let corner: [Wide<S>; 3] = load_axes(simd, &block.corners[0]);
+        let normal = load_axes(simd, &block.normal);
+        let offset = plane_offset(corner, normal, splat_axes(simd, apex));
         seen.push(FanPart {
-            seen: FanPlanes::new(&block.corners, apex),
+            planes: planes.map(|plane| plane.map(Lanes::from)),
             normal: block.normal,
-            offset,
+            offset: offset.into(),
             indices: block.indices,
             places: u32::from(part.places),
         });
     }
 }
 
-#[multiversion(targets(
-    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn blocked_by_fan(
+#[inline(always)]
+fn blocked_by_fan<S: Simd>(
+    simd: S,
     packet: &RayPacket,
     list: &FanOccluders,
     ends: Aabb,
@@ -193,26 +193,26 @@ fn blocked_by_fan(
         subtract(ends.min.to_array(), list.apex),
         subtract(ends.max.to_array(), list.apex),
     ];
-    let mut test = Test::new(packet, cutout);
+    let mut test = Test::new(simd, packet, cutout);
     for part in &list.parts {
         let mut left = part.places;
         if left.count_ones() > FEW {
-            left &= part.seen.near(ways);
+            let planes = [
+                load_axes::<S, Wide<S>>(simd, &part.planes[0]),
+                load_axes(simd, &part.planes[1]),
+                load_axes(simd, &part.planes[2]),
+            ];
+            left &= near(&planes, ways);
         }
         while left != 0 {
-            let place = left.trailing_zeros() as usize;
+            let place = left.trailing_zeros() as usize % PACKET;
             left &= left - 1;
-            let (planes, normal) = (part.seen.of(place), at(&part.normal, place));
+            let (edges, normal) = (all_at(&part.planes, place), at(&part.normal, place));
             let offset = part.offset[place];
-            let hit = packet.hit_from(planes, normal, offset, &test.bound);
-            if hit == 0 {
-                continue;
-            }
-            let index = part.indices[place];
-            let solid = test.solid(index, hit, || {
-                packet.intersect_from(planes, normal, offset, &test.bound)
-            });
-            if test.block(solid) {
+            let hits = test.rays.intersect_from(edges, normal, offset, &test.ahead);
+            if let Some(hits) = hits
+                && test.block(part.indices[place], &hits)
+            {
                 return test.blocked;
             }
         }
@@ -225,31 +225,27 @@ fn subtract(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-#[multiversion(targets(
-    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn blocked_by_parts(
+#[inline(always)]
+fn blocked_by_parts<S: Simd>(
+    simd: S,
     packet: &RayPacket,
     blocks: &[Block],
     parts: &[BlockPart],
     cutout: Option<&dyn Cutout>,
 ) -> u32 {
-    let mut test = Test::new(packet, cutout);
+    let mut test = Test::new(simd, packet, cutout);
     for part in parts {
         let Some(block) = blocks.get(part.block as usize) else {
             continue;
         };
         let mut left = part.places;
         while left != 0 {
-            let place = left.trailing_zeros() as usize;
+            let place = left.trailing_zeros() as usize % PACKET;
             left &= left - 1;
             let triangle = (all_at(&block.corners, place), at(&block.normal, place));
-            let Some(hits) = packet.intersect(triangle, &test.bound) else {
-                continue;
-            };
-            let solid = test.solid(block.indices[place], hits.mask(), || Some(hits));
-            if test.block(solid) {
+            if let Some(hits) = test.rays.intersect(triangle, &test.ahead)
+                && test.block(block.indices[place], &hits)
+            {
                 return test.blocked;
             }
         }
@@ -261,46 +257,41 @@ fn blocked_by_parts(
 const FEW: u32 = 3;
 
 /// A packet on its way along a list.
-struct Test<'a> {
+struct Test<'a, S: Simd> {
+    rays: Rays<S>,
+    ahead: Ahead<S>,
     cutout: Option<&'a dyn Cutout>,
-    active: u32,
-    bound: Lanes,
     blocked: u32,
 }
 
-impl<'a> Test<'a> {
+impl<'a, S: Simd> Test<'a, S> {
     #[inline(always)]
-    fn new(packet: &RayPacket, cutout: Option<&'a dyn Cutout>) -> Self {
+    fn new(simd: S, packet: &RayPacket, cutout: Option<&'a dyn Cutout>) -> Self {
         Self {
+            rays: Rays::new(simd, packet),
+            ahead: Ahead::new(simd, packet),
             cutout,
-            active: packet.active(),
-            bound: packet.t_max,
             blocked: 0,
         }
     }
 
-    /// Of the rays that hit a triangle, those that do not go through a hole of it.
+    /// Takes in what hit a triangle, but for what goes through a hole of it. Says whether no ray
+    /// is left.
     #[inline(always)]
-    fn solid(&self, index: u32, hit: u32, hits: impl FnOnce() -> Option<PacketHits>) -> u32 {
-        let Some(cutout) = self.cutout.filter(|cutout| cutout.has_holes(index)) else {
-            return hit;
-        };
-        let Some(hits) = hits() else { return 0 };
-        let is_solid = |ray: usize| {
-            let weights = hits.lane(ray).hit();
-            cutout.is_solid(index, weights.u, weights.v)
-        };
-        (0..PACKET)
-            .filter(|&ray| hit >> ray & 1 == 1 && is_solid(ray))
-            .fold(0, |solid, ray| solid | 1 << ray)
-    }
-
-    /// Takes in rays that are blocked. Says whether no ray is left.
-    #[inline(always)]
-    fn block(&mut self, rays: u32) -> bool {
+    fn block(&mut self, index: u32, hits: &PacketHits<S>) -> bool {
+        let mut rays = bits_of(hits.rays);
+        if let Some(cutout) = self.cutout.filter(|cutout| cutout.has_holes(index)) {
+            let is_solid = |ray: usize| {
+                let weights = hits.lane(ray).hit();
+                cutout.is_solid(index, weights.u, weights.v)
+            };
+            rays = (0..PACKET)
+                .filter(|&ray| rays >> ray & 1 == 1 && is_solid(ray))
+                .fold(0, |solid, ray| solid | 1 << ray);
+        }
         self.blocked |= rays;
-        finish(rays, &mut self.bound);
-        self.blocked == self.active
+        self.ahead.finish(self.rays.simd, rays);
+        !self.ahead.active.any_true()
     }
 }
 

@@ -1,15 +1,16 @@
 //! A packet through the tree.
 
+use fearless_simd::{f32x8, prelude::*, u32x16};
 use lie_geom::{Hit, plane_offset};
-use multiversion::multiversion;
 
 use super::{
-    Lanes, PACKET, RayPacket,
+    PACKET, RayPacket,
     bounds::PacketBounds,
-    fan_planes::{FanPlanes, at},
-    finish,
+    fan_planes::{at, edges, fan_planes, near},
     hits::PacketHits,
-    lanes, largest,
+    rays::{Ahead, Rays},
+    slab::{Course, Going, SlabRays},
+    vector::{Wide, bits_of, mask_of, on_vectors},
 };
 use crate::{
     Bvh,
@@ -19,46 +20,36 @@ use crate::{
 };
 
 pub(crate) fn closest(bvh: &Bvh, packet: &RayPacket) -> [Option<Hit>; PACKET] {
-    with_stack(|stack| closest_kernel(bvh, packet, stack))
+    with_stack(|stack| on_vectors!(simd => closest_kernel(simd, bvh, packet, stack)))
 }
 
 pub(crate) fn blocked(bvh: &Bvh, packet: &RayPacket) -> u32 {
-    with_stack(|stack| blocked_kernel(bvh, packet, stack))
+    with_stack(|stack| on_vectors!(simd => blocked_kernel(simd, bvh, packet, stack)))
 }
 
 pub(crate) fn blockers(bvh: &Bvh, packet: &RayPacket) -> [Option<u32>; PACKET] {
-    with_stack(|stack| blockers_kernel(bvh, packet, stack))
+    with_stack(|stack| on_vectors!(simd => blockers_kernel(simd, bvh, packet, stack)))
 }
 
-#[multiversion(targets(
-    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn closest_kernel(bvh: &Bvh, packet: &RayPacket, stack: &mut Stack) -> [Option<Hit>; PACKET] {
-    let mut best = PacketHits {
-        t: [f32::INFINITY; PACKET],
-        weight_b: [0.0; PACKET],
-        weight_c: [0.0; PACKET],
-        sum: [0.0; PACKET],
-    };
-    let mut ids = [u32::MAX; PACKET];
-    traverse(bvh, packet, stack, |block, lane, hits, bound| {
-        let id = block.id(lane);
-        let solid = solid(bvh, block, lane, hits);
-        let solid = lanes(solid);
-        let mut take = [false; PACKET];
-        for ray in 0..PACKET {
-            let closer =
-                (hits.t[ray] < best.t[ray]) | ((hits.t[ray] == best.t[ray]) & (id < ids[ray]));
-            take[ray] = closer & solid[ray];
-        }
-        best.take(&take, hits);
-        for ray in 0..PACKET {
-            ids[ray] = if take[ray] { id } else { ids[ray] };
-            // One step past the best distance, so that ties are seen.
-            let past = f32::from_bits(hits.t[ray].to_bits() + 1);
-            bound[ray] = if take[ray] { past } else { bound[ray] };
-        }
+#[inline(always)]
+pub(crate) fn closest_kernel<S: Simd>(
+    simd: S,
+    bvh: &Bvh,
+    packet: &RayPacket,
+    stack: &mut Stack,
+) -> [Option<Hit>; PACKET] {
+    let mut best = PacketHits::none(simd);
+    let mut ids = u32x16::splat(simd, u32::MAX);
+    traverse(simd, bvh, packet, stack, |block, lane, hits, ahead| {
+        let id = u32x16::splat(simd, block.id(lane));
+        let solid = mask_of(simd, solid(bvh, block, lane, hits));
+        let is_tie = hits.t.simd_eq(best.t) & id.simd_lt(ids);
+        let take = (hits.t.simd_lt(best.t) | is_tie) & solid;
+        best.take(take, hits);
+        ids = take.select(id, ids);
+        // One step past the best distance, so that ties are seen.
+        let past = Wide::from_bits(hits.t.to_bits() + 1);
+        ahead.bound = take.select(past, ahead.bound);
     });
     let mut found = [None; PACKET];
     for ray in 0..PACKET {
@@ -75,34 +66,35 @@ fn closest_kernel(bvh: &Bvh, packet: &RayPacket, stack: &mut Stack) -> [Option<H
     found
 }
 
-#[multiversion(targets(
-    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn blocked_kernel(bvh: &Bvh, packet: &RayPacket, stack: &mut Stack) -> u32 {
+#[inline(always)]
+pub(crate) fn blocked_kernel<S: Simd>(
+    simd: S,
+    bvh: &Bvh,
+    packet: &RayPacket,
+    stack: &mut Stack,
+) -> u32 {
     let mut blocked = 0u32;
-    traverse(bvh, packet, stack, |block, lane, hits, bound| {
+    traverse(simd, bvh, packet, stack, |block, lane, hits, ahead| {
         let solid = solid(bvh, block, lane, hits);
         blocked |= solid;
-        finish(solid, bound);
+        ahead.finish(simd, solid);
     });
     blocked
 }
 
-#[multiversion(targets(
-    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
-    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
-))]
-fn blockers_kernel(bvh: &Bvh, packet: &RayPacket, stack: &mut Stack) -> [Option<u32>; PACKET] {
-    let mut blockers = [u32::MAX; PACKET];
-    traverse(bvh, packet, stack, |block, lane, hits, bound| {
+#[inline(always)]
+pub(crate) fn blockers_kernel<S: Simd>(
+    simd: S,
+    bvh: &Bvh,
+    packet: &RayPacket,
+    stack: &mut Stack,
+) -> [Option<u32>; PACKET] {
+    let mut blockers = u32x16::splat(simd, u32::MAX);
+    traverse(simd, bvh, packet, stack, |block, lane, hits, ahead| {
         let solid = solid(bvh, block, lane, hits);
-        let id = block.id(lane);
-        let rays = lanes(solid);
-        for ray in 0..PACKET {
-            blockers[ray] = if rays[ray] { id } else { blockers[ray] };
-        }
-        finish(solid, bound);
+        let id = u32x16::splat(simd, block.id(lane));
+        blockers = mask_of(simd, solid).select(id, blockers);
+        ahead.finish(simd, solid);
     });
     let mut found = [None; PACKET];
     for ray in 0..PACKET {
@@ -113,8 +105,8 @@ fn blockers_kernel(bvh: &Bvh, packet: &RayPacket, stack: &mut Stack) -> [Option<
 
 /// The rays that hit solid matter: bit `i` for ray `i`.
 #[inline(always)]
-fn solid(bvh: &Bvh, block: &TriangleBlock, lane: usize, hits: &PacketHits) -> u32 {
-    let mut mask = hits.mask();
+fn solid<S: Simd>(bvh: &Bvh, block: &TriangleBlock, lane: usize, hits: &PacketHits<S>) -> u32 {
+    let mut mask = bits_of(hits.rays);
     if block.has_holes(lane) {
         for ray in 0..PACKET {
             let solid =
@@ -128,101 +120,115 @@ fn solid(bvh: &Bvh, block: &TriangleBlock, lane: usize, hits: &PacketHits) -> u3
 /// Takes a packet through the tree, nearest box first, and calls `found` with every triangle
 /// that some ray hits before its bound; `found` lowers the bounds.
 #[inline(always)]
-fn traverse(
+fn traverse<S: Simd>(
+    simd: S,
     bvh: &Bvh,
     packet: &RayPacket,
     stack: &mut Stack,
-    mut found: impl FnMut(&TriangleBlock, usize, &PacketHits, &mut Lanes),
+    mut found: impl FnMut(&TriangleBlock, usize, &PacketHits<S>, &mut Ahead<S>),
 ) {
-    if packet.apex.is_some() {
-        walk::<true>(bvh, packet, stack, &mut found);
-    } else {
-        walk::<false>(bvh, packet, stack, &mut found);
-    }
-}
-
-/// With `FAN`, all rays start at one apex.
-#[inline(always)]
-fn walk<const FAN: bool>(
-    bvh: &Bvh,
-    packet: &RayPacket,
-    stack: &mut Stack,
-    found: &mut impl FnMut(&TriangleBlock, usize, &PacketHits, &mut Lanes),
-) {
-    let inverse = packet.inverse();
-    let Some(bounds) = PacketBounds::new(packet, &inverse) else {
+    let rays = Rays::new(simd, packet);
+    let mut ahead = Ahead::new(simd, packet);
+    let inverse = rays.inverse();
+    let Some(bounds) = PacketBounds::new(&rays, &inverse, &ahead) else {
         return;
     };
-    let (apex, ways) = (packet.apex.unwrap_or_default(), packet.ways());
-    let mut bound = packet.t_max;
-    let mut farthest = largest(&bound);
-    stack.clear();
-    stack.push((f32::NEG_INFINITY, Child::node(0)));
-    while let Some((entry, child)) = stack.pop() {
-        if entry >= farthest {
-            continue;
-        }
-        match child.target() {
-            Target::Node(index) => {
-                let node = &bvh.nodes[index];
-                let entries = bounds.entries(node, farthest);
-                push_entered::<FAN>(node, packet, &inverse, &bound, entries, stack);
-            }
-            Target::Block(index) if FAN => {
-                let block = &bvh.blocks[index];
-                let seen = FanPlanes::new(&block.corners, apex);
-                let mut near = seen.near(ways);
-                while near != 0 {
-                    let lane = near.trailing_zeros() as usize % BLOCK;
-                    near &= near - 1;
-                    let (planes, normal) = (seen.of(lane), at(&block.normal, lane));
-                    let offset = plane_offset(at(&block.corners[0], lane), normal, apex);
-                    if let Some(hits) = packet.intersect_from(planes, normal, offset, &bound) {
-                        found(block, lane, &hits, &mut bound);
-                        farthest = largest(&bound);
-                    }
-                }
-            }
-            Target::Block(index) => {
-                let block = &bvh.blocks[index];
-                for lane in 0..block.len() {
-                    if let Some(hits) = packet.intersect(block.lane(lane), &bound) {
-                        found(block, lane, &hits, &mut bound);
-                        farthest = largest(&bound);
-                    }
-                }
-            }
-        }
+    let near = bounds.near();
+    let walk = Walk {
+        bvh,
+        rays,
+        bounds,
+        slabs: SlabRays::new(&rays, &inverse, near),
+    };
+    match (packet.apex.is_some(), near.is_some()) {
+        (false, false) => walk.go::<Going<false, false>>(&mut ahead, stack, &mut found),
+        (false, true) => walk.go::<Going<false, true>>(&mut ahead, stack, &mut found),
+        (true, false) => walk.go::<Going<true, false>>(&mut ahead, stack, &mut found),
+        (true, true) => walk.go::<Going<true, true>>(&mut ahead, stack, &mut found),
     }
 }
 
-/// Pushes the children that any ray enters, so that the nearest is popped first.
-#[inline(always)]
-fn push_entered<const FAN: bool>(
-    node: &Node,
-    packet: &RayPacket,
-    inverse: &[Lanes; 3],
-    bound: &Lanes,
-    entries: [f32; WIDTH],
-    stack: &mut Stack,
-) {
-    let base = stack.len();
-    let mut entered = 0u32;
-    for lane in 0..WIDTH {
-        entered |= u32::from(entries[lane] < f32::INFINITY) << lane;
-    }
-    while entered != 0 {
-        let lane = entered.trailing_zeros() as usize % WIDTH;
-        entered &= entered - 1;
-        let (entry, child) = (entries[lane], node.children[lane]);
-        if child == Child::NONE || !packet.enters::<FAN>(inverse, node.bounds(lane), bound) {
-            continue;
+/// A packet's way through the tree.
+struct Walk<'a, S: Simd> {
+    bvh: &'a Bvh,
+    rays: Rays<S>,
+    bounds: PacketBounds,
+    slabs: SlabRays<S>,
+}
+
+impl<S: Simd> Walk<'_, S> {
+    #[inline(always)]
+    fn go<C: Course>(
+        &self,
+        ahead: &mut Ahead<S>,
+        stack: &mut Stack,
+        found: &mut impl FnMut(&TriangleBlock, usize, &PacketHits<S>, &mut Ahead<S>),
+    ) {
+        let rays = &self.rays;
+        let ways = rays.ways(ahead.active);
+        let mut farthest = ahead.bound.reduce_max();
+        stack.clear();
+        stack.push((f32::NEG_INFINITY, Child::node(0)));
+        while let Some((entry, child)) = stack.pop() {
+            if entry >= farthest {
+                continue;
+            }
+            let block = match child.target() {
+                Target::Node(index) => {
+                    self.push_entered::<C>(&self.bvh.nodes[index], farthest, ahead, stack);
+                    continue;
+                }
+                Target::Block(index) => &self.bvh.blocks[index],
+            };
+            if C::FAN {
+                let planes = fan_planes::<S, f32x8<S>>(rays.simd, &block.corners, rays.apex);
+                let mut left = near(&planes, ways);
+                while left != 0 {
+                    let lane = left.trailing_zeros() as usize % BLOCK;
+                    left &= left - 1;
+                    let normal = at(&block.normal, lane);
+                    let offset = plane_offset(at(&block.corners[0], lane), normal, rays.apex);
+                    let edges = edges(&planes, lane);
+                    if let Some(hits) = rays.intersect_from(edges, normal, offset, ahead) {
+                        found(block, lane, &hits, ahead);
+                        farthest = ahead.bound.reduce_max();
+                    }
+                }
+            } else {
+                for lane in 0..block.len() {
+                    if let Some(hits) = rays.intersect(block.lane(lane), ahead) {
+                        found(block, lane, &hits, ahead);
+                        farthest = ahead.bound.reduce_max();
+                    }
+                }
+            }
         }
-        stack.push((entry, child));
-        let mut place = stack.len() - 1;
-        while place > base && stack[place - 1].0 < entry {
-            stack.swap(place, place - 1);
-            place -= 1;
+    }
+
+    /// Pushes the children that any ray enters, so that the nearest is popped first.
+    #[inline(always)]
+    fn push_entered<C: Course>(
+        &self,
+        node: &Node,
+        farthest: f32,
+        ahead: &Ahead<S>,
+        stack: &mut Stack,
+    ) {
+        let (entries, mut entered) = self.bounds.entries(self.rays.simd, node, farthest);
+        let base = stack.len();
+        while entered != 0 {
+            let lane = entered.trailing_zeros() as usize % WIDTH;
+            entered &= entered - 1;
+            let (entry, child) = (entries[lane], node.children[lane]);
+            if child == Child::NONE || !self.slabs.enter::<C>(node, lane, ahead) {
+                continue;
+            }
+            stack.push((entry, child));
+            let mut place = stack.len() - 1;
+            while place > base && stack[place - 1].0 < entry {
+                stack.swap(place, place - 1);
+                place -= 1;
+            }
         }
     }
 }

@@ -2,7 +2,10 @@ use glam::Vec3;
 use lie_geom::{RandomKey, Ray};
 
 use super::*;
-use crate::bvh::tests::{Half, soup};
+use crate::{
+    bvh::tests::{Half, soup},
+    packet::vector::on_each_unit,
+};
 
 fn vector(key: RandomKey, n: u32) -> Vec3 {
     let xy = key.uniform2(2 * n);
@@ -49,6 +52,10 @@ fn expected(
 
 #[test]
 fn lists_block_what_their_triangles_block() {
+    on_each_unit(check_lists);
+}
+
+fn check_lists() {
     let geometry = soup(300, 5);
     let shapes = geometry.shapes();
     let mut blocks = OccluderBlocks::default();
