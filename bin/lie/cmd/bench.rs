@@ -3,6 +3,7 @@
 mod course;
 mod figure4;
 mod output;
+mod peers;
 mod report;
 mod subject;
 
@@ -18,6 +19,7 @@ use self::{
     course::Course,
     figure4::Figure4,
     output::{Output, progress_bar, teller},
+    peers::Peers,
     report::Report,
     subject::Subject,
 };
@@ -36,6 +38,7 @@ pub(crate) enum BenchCommand {
     Figure4(Figure4),
     Converge(Converge),
     Report(Report),
+    Peers(Peers),
 }
 
 /// The paper's Table 1: time, speed-up and error of a frame, by each integrator.
@@ -132,6 +135,7 @@ pub(crate) fn execute(command: &BenchCommand) -> anyhow::Result<()> {
         BenchCommand::Figure4(arguments) => arguments.execute(),
         BenchCommand::Converge(arguments) => arguments.execute(),
         BenchCommand::Report(arguments) => arguments.execute(),
+        BenchCommand::Peers(arguments) => arguments.execute(),
     }
 }
 
@@ -233,17 +237,21 @@ impl Frames {
         Ok(frames)
     }
 
-    /// Each number once, in order.
     fn threads(&self) -> anyhow::Result<Vec<usize>> {
-        let mut all = vec![];
-        for &wanted in &self.threads {
-            let threads = process::threads(wanted)?;
-            if !all.contains(&threads) {
-                all.push(threads);
-            }
-        }
-        Ok(all)
+        thread_counts(&self.threads)
     }
+}
+
+/// Each number once, in order; 0 is one for each core.
+fn thread_counts(wanted: &[usize]) -> anyhow::Result<Vec<usize>> {
+    let mut all = vec![];
+    for &wanted in wanted {
+        let threads = process::threads(wanted)?;
+        if !all.contains(&threads) {
+            all.push(threads);
+        }
+    }
+    Ok(all)
 }
 
 impl Learning {
