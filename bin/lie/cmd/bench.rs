@@ -2,6 +2,7 @@
 
 mod course;
 mod figure4;
+mod growth;
 mod output;
 mod peers;
 mod report;
@@ -18,6 +19,7 @@ use lie_farm::ConstructSettings;
 use self::{
     course::Course,
     figure4::Figure4,
+    growth::Growth,
     output::{Output, progress_bar, teller},
     peers::Peers,
     report::Report,
@@ -39,6 +41,7 @@ pub(crate) enum BenchCommand {
     Converge(Converge),
     Report(Report),
     Peers(Peers),
+    Growth(Growth),
 }
 
 /// The paper's Table 1: time, speed-up and error of a frame, by each integrator.
@@ -136,6 +139,7 @@ pub(crate) fn execute(command: &BenchCommand) -> anyhow::Result<()> {
         BenchCommand::Converge(arguments) => arguments.execute(),
         BenchCommand::Report(arguments) => arguments.execute(),
         BenchCommand::Peers(arguments) => arguments.execute(),
+        BenchCommand::Growth(arguments) => arguments.execute(),
     }
 }
 
@@ -231,15 +235,20 @@ impl Frames {
             threads: self.threads()?,
             repeat: self.repeat,
         };
-        let bar = progress_bar();
-        let frames = measure_frames(stage, lineup, &config, &teller(&bar))?;
-        bar.finish_and_clear();
-        Ok(frames)
+        race(stage, lineup, &config)
     }
 
     fn threads(&self) -> anyhow::Result<Vec<usize>> {
         thread_counts(&self.threads)
     }
+}
+
+/// Renders a view by a line-up, with a bar.
+fn race(stage: &Stage, lineup: &Lineup, config: &FramesConfig) -> anyhow::Result<SceneFrames> {
+    let bar = progress_bar();
+    let frames = measure_frames(stage, lineup, config, &teller(&bar))?;
+    bar.finish_and_clear();
+    Ok(frames)
 }
 
 /// Each number once, in order; 0 is one for each core.

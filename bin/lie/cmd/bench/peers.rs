@@ -3,7 +3,7 @@ use std::{path::PathBuf, sync::Arc};
 use clap::Args;
 use lie_bench::{
     BenchError, Stage,
-    peers::{self, Harness, PeersConfig, SIDE_STEP, SceneContest, Show, Version},
+    peers::{self, Harness, Opponent, PeersConfig, SIDE_STEP, SceneContest, Show, Version},
 };
 
 use super::{
@@ -135,6 +135,9 @@ impl Peers {
         plain: &Stage,
         as_it_is: &Stage,
     ) -> anyhow::Result<SceneContest> {
+        let bar = progress_bar();
+        let opponent = Opponent::new(plain, config, &teller(&bar)).map_err(blamed)?;
+        bar.finish_and_clear();
         let plain_lineup = self.learning.construct(plain, peers::CONTENDERS)?;
         let lineup = self.learning.construct(as_it_is, peers::CONTENDERS)?;
         let show = |version, stage, lineup| Show {
@@ -143,17 +146,20 @@ impl Peers {
             lineup,
         };
         let bar = progress_bar();
-        let contest = peers::measure(
+        let contest = opponent.measure(
             show(Version::Plain, plain, &plain_lineup),
             show(Version::AsItIs, as_it_is, &lineup),
-            config,
             &teller(&bar),
         );
         bar.finish_and_clear();
-        // A program that is none of this kind is the user's to mend.
-        Ok(match contest {
-            Err(BenchError::Peer(error)) => Err(error).or_usage()?,
-            other => other?,
-        })
+        contest.map_err(blamed)
+    }
+}
+
+/// A program that is none of this kind is the user's to mend.
+fn blamed(error: BenchError) -> anyhow::Error {
+    match error {
+        BenchError::Peer(error) => usage(error).into(),
+        other => other.into(),
     }
 }

@@ -1,6 +1,6 @@
 //! Other programs beside ours: the same view of the same plain scene, in turn.
 //!
-//! A program is measured through its command line ([`Harness`]), from a file in a flat format
+//! An [`Opponent`] is measured through its command line ([`Harness`]), from a file in a flat format
 //! ([`write_flat`]). What it renders is a [`plain`] scene; ours are timed with that scene, which
 //! is a comparison, and with the scene as it is, which says what the rest costs.
 
@@ -132,36 +132,60 @@ pub struct SceneContest {
     pub ratios: Vec<PeerRatio>,
 }
 
-/// Lets the other program and ours render a view in turn. The first of `shows` is the plain
-/// scene, which the other program gets.
-///
-/// # Errors
-/// [`BenchError::Peer`] if the other program cannot be run, fails or is not understood; if threads
-/// cannot be started.
-pub fn measure(
-    plain: Show<'_>,
-    as_it_is: Show<'_>,
-    config: &PeersConfig,
-    progress: &Progress<'_>,
-) -> Result<SceneContest, BenchError> {
-    let peer = Peer::new(plain.stage, config)?;
-    progress(
-        &format!("{}: the other program's pictures", plain.stage.name()),
-        0.0,
-    );
-    let references = References::render(&peer, config)?;
-    let mut contest = SceneContest::default();
-    for &threads in &config.threads {
-        let pool = pool(threads)?;
-        let rounds = Rounds::run(&peer, [plain, as_it_is], &pool, config, progress)?;
-        let mut judged = rounds.judge(&references)?;
-        ratios::mark_best(&mut judged);
-        contest.ratios.extend(ratios::of(&judged));
-        contest
-            .rows
-            .extend(judged.into_iter().map(|judged| judged.row));
+/// The other program, with its scene and what it makes of it.
+pub struct Opponent<'a> {
+    config: &'a PeersConfig,
+    peer: Peer<'a>,
+    references: References,
+}
+
+impl<'a> Opponent<'a> {
+    /// Writes the view of a [`plain`] scene for the other program, and lets that render its
+    /// pictures, which are not timed: what is wrong with it shows here.
+    ///
+    /// # Errors
+    /// [`BenchError::Peer`] if the other program cannot be run, fails or is not understood, or if
+    /// the scene cannot be written.
+    pub fn new(
+        stage: &'a Stage,
+        config: &'a PeersConfig,
+        progress: &Progress<'_>,
+    ) -> Result<Self, BenchError> {
+        progress(&format!("{}: embree's pictures", stage.name()), 0.0);
+        let peer = Peer::new(stage)?;
+        let references = References::render(&peer, config)?;
+        Ok(Self {
+            config,
+            peer,
+            references,
+        })
     }
-    Ok(contest)
+
+    /// Lets the other program and ours render in turn: the plain view that the former has, and
+    /// the scene as it is.
+    ///
+    /// # Errors
+    /// [`BenchError::Peer`] if the other program fails; if threads cannot be started.
+    pub fn measure(
+        &self,
+        plain: Show<'_>,
+        as_it_is: Show<'_>,
+        progress: &Progress<'_>,
+    ) -> Result<SceneContest, BenchError> {
+        let mut contest = SceneContest::default();
+        for &threads in &self.config.threads {
+            let pool = pool(threads)?;
+            let shows = [plain, as_it_is];
+            let rounds = Rounds::run(&self.peer, shows, &pool, self.config, progress)?;
+            let mut judged = rounds.judge(&self.references)?;
+            ratios::mark_best(&mut judged);
+            contest.ratios.extend(ratios::of(&judged));
+            contest
+                .rows
+                .extend(judged.into_iter().map(|judged| judged.row));
+        }
+        Ok(contest)
+    }
 }
 
 /// Sample points along each side of an area light.

@@ -10,6 +10,7 @@ mod mesh;
 mod mosque;
 #[cfg(test)]
 mod probes;
+mod rooms;
 mod science_center;
 mod shapes;
 mod sweep;
@@ -20,10 +21,11 @@ pub(crate) use bar::draft as bar_draft;
 pub(crate) use cornell::draft as cornell_draft;
 pub(crate) use gallery::draft as gallery_draft;
 pub(crate) use mosque::draft as mosque_draft;
+pub use rooms::{Rooms, rooms};
 pub(crate) use science_center::draft as science_center_draft;
 
 /// Finest division of round things, relative to the usual.
-pub(crate) const MAX_DETAIL: f32 = 4.0;
+pub const MAX_DETAIL: f32 = 4.0;
 
 /// What [`gallery`] is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
