@@ -6,7 +6,7 @@ use std::{fs, sync::Arc, time::Instant};
 
 use glam::UVec2;
 use lie_render::AccelKind;
-use lie_scene::{MAX_DETAIL, Mosque, Rooms, Scene};
+use lie_scene::{Mosque, Rooms, Scene};
 
 pub use self::show::{json, section, table};
 use crate::{Contender, FrameRow, Stage, race::milliseconds};
@@ -81,8 +81,6 @@ impl Step {
     pub const MOST_TRIANGLES: u64 = 16_000_000;
     /// Lights of a room.
     const LIGHTS_IN_ROOM: u64 = 10;
-    /// Triangles of the mosque in its usual detail; their number grows with its square.
-    const USUAL_TRIANGLES: f32 = 980_000.0;
 
     /// Whether there is such a step.
     ///
@@ -152,14 +150,20 @@ fn scene(axis: Axis, count: u64) -> Scene {
                 lights_in_each: in_each as u32,
             })
         }
-        Axis::Triangles => {
-            let detail = (count as f32 / Step::USUAL_TRIANGLES).sqrt();
-            lie_scene::mosque(&Mosque {
-                detail: detail.min(MAX_DETAIL),
-                ..Mosque::default()
-            })
-        }
+        Axis::Triangles => lie_scene::mosque(&Mosque {
+            detail: mosque_detail(count as f32 * 1.0e-6),
+            ..Mosque::default()
+        }),
     }
+}
+
+/// The mosque's detail for so many million triangles: what solves the polynomial that gives their
+/// number ([`Mosque::detail`]).
+fn mosque_detail(millions: f32) -> f32 {
+    let (square, linear, constant) = (0.488, 0.314, 0.180);
+    let rest = (millions - constant).max(0.0);
+    let root = (linear * linear + 4.0 * square * rest).sqrt();
+    (root - linear) / (2.0 * square)
 }
 
 /// Memory of this process that is not on disk, where Linux says so.
@@ -179,8 +183,14 @@ mod tests {
         for (lights, expected) in [(3, 3), (10, 10), (100, 100), (128, 120)] {
             assert_eq!(scene(Axis::Lights, lights).lights.len(), expected);
         }
-        let triangles = scene(Axis::Triangles, 980_000).geometry.len();
-        assert!(triangles.abs_diff(980_000) < 30_000, "{triangles}");
+        for wanted in [300_000, 1_000_000, 2_500_000] {
+            let triangles = scene(Axis::Triangles, wanted).geometry.len();
+            let most = wanted as usize / 10;
+            assert!(
+                triangles.abs_diff(wanted as usize) < most,
+                "{triangles} for {wanted}"
+            );
+        }
     }
 
     #[test]

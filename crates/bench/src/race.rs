@@ -69,12 +69,7 @@ pub(crate) struct Runs {
 impl Runs {
     /// Its times.
     pub(crate) fn frame_ms(&self) -> Spread {
-        const NONE: Spread = Spread {
-            median: 0.0,
-            min: 0.0,
-            max: 0.0,
-        };
-        Spread::of(&self.times_ms).unwrap_or(NONE)
+        Spread::of(&self.times_ms).unwrap_or(Spread::NONE)
     }
 
     /// Each repetition's time of primary visibility.

@@ -40,8 +40,8 @@ mod walkthrough;
 pub use camera::{Camera, CameraFilm};
 pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
 pub use generate::{
-    Bar, Gallery, MAX_DETAIL, Mosque, Rooms, ScienceCenter, bar, cornell_box, gallery, mosque,
-    rooms, science_center,
+    Bar, Gallery, Mosque, Rooms, ScienceCenter, bar, cornell_box, gallery, mosque, rooms,
+    science_center,
 };
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
 pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample, ramp_slope};

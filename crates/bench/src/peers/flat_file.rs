@@ -215,7 +215,7 @@ mod tests {
     fn what_the_format_cannot_say_is_an_error() {
         let mut scene = lie_scene::cornell_box();
         let camera = scene.cameras[0].clone();
-        let mut write = |scene: &Scene, size| write_flat(&mut vec![], scene, &camera, size);
+        let write = |scene: &Scene, size| write_flat(&mut vec![], scene, &camera, size);
         let error = write(&scene, UVec2::new(64, 40)).unwrap_err();
         assert!(error.to_string().contains("multiple of 16"), "{error}");
         scene.lights[0].kind = LightKind::Directional {

@@ -129,35 +129,14 @@ impl<'a> Rounds<'a> {
             judged.push(self.judge_variant(index, references)?);
         }
         for (show, runs) in self.shows.iter().zip(self.runs.chunks(OURS.len())) {
-            let standard = &runs[1].film;
-            for (name, run) in OURS.iter().zip(runs) {
-                let is_primary = *name == Judged::CLOSEST_HITS;
-                let other = match (show.version, is_primary) {
-                    (Version::AsItIs, _) => None,
-                    (Version::Plain, true) => references.primary(),
-                    (Version::Plain, false) => references.shaded(),
-                };
-                let exposure = show.stage.exposure_stops();
-                let relative_rmse = match is_primary {
-                    true => None,
-                    false => Some(compare(&run.film, standard, exposure)?.relative_rmse),
-                };
-                let mut row = self.row(show, name, &run.times_ms, &run.film, other)?;
-                row.relative_rmse = relative_rmse;
-                row.rays = match is_primary {
-                    true => run.stats.primary_rays,
-                    false => run.stats.shadow_rays,
-                };
-                judged.push(Judged {
-                    row,
-                    times_ms: run.times_ms.clone(),
-                    is_primary,
-                });
+            for index in 0..OURS.len() {
+                judged.push(self.judge_ours(show, index, runs, references)?);
             }
             // The stage's hits are those that were judged as closest hits.
-            let times_ms = runs[2].visibility_ms();
-            let mut row = self.row(show, Judged::VISIBILITY, &times_ms, standard, None)?;
-            row.rays = runs[2].stats.primary_rays;
+            let (standard, lie) = (&runs[1], &runs[2]);
+            let times_ms = lie.visibility_ms();
+            let mut row = self.row(show, Judged::VISIBILITY, &times_ms, &standard.film, None)?;
+            row.rays = lie.stats.primary_rays;
             judged.push(Judged {
                 row,
                 times_ms,
@@ -165,6 +144,36 @@ impl<'a> Rounds<'a> {
             });
         }
         Ok(judged)
+    }
+
+    /// One of [`OURS`], whose `runs` are those of one show.
+    fn judge_ours(
+        &self,
+        show: &Show<'_>,
+        index: usize,
+        runs: &[Runs],
+        references: &References,
+    ) -> Result<Judged, BenchError> {
+        let (name, run, standard) = (OURS[index], &runs[index], &runs[1].film);
+        let is_primary = name == Judged::CLOSEST_HITS;
+        let other = match (show.version, is_primary) {
+            (Version::AsItIs, _) => None,
+            (Version::Plain, true) => references.primary(),
+            (Version::Plain, false) => references.shaded(),
+        };
+        let mut row = self.row(show, name, &run.times_ms, &run.film, other)?;
+        if is_primary {
+            row.rays = run.stats.primary_rays;
+        } else {
+            let exposure = show.stage.exposure_stops();
+            row.relative_rmse = Some(compare(&run.film, standard, exposure)?.relative_rmse);
+            row.rays = run.stats.shadow_rays;
+        }
+        Ok(Judged {
+            row,
+            times_ms: run.times_ms.clone(),
+            is_primary,
+        })
     }
 
     fn judge_variant(&self, index: usize, references: &References) -> Result<Judged, BenchError> {
@@ -200,11 +209,6 @@ impl<'a> Rounds<'a> {
         picture: &Film,
         other: Option<&Film>,
     ) -> Result<PeerRow, BenchError> {
-        const NONE: Spread = Spread {
-            median: 0.0,
-            min: 0.0,
-            max: 0.0,
-        };
         let from_peer = other.map(|other| Difference::between(show.stage, picture, other));
         Ok(PeerRow {
             scene: show.stage.name().to_owned(),
@@ -212,7 +216,7 @@ impl<'a> Rounds<'a> {
             who: who.to_owned(),
             is_best: false,
             threads: self.threads,
-            frame_ms: Spread::of(times_ms).unwrap_or(NONE),
+            frame_ms: Spread::of(times_ms).unwrap_or(Spread::NONE),
             rays: 0,
             clean: None,
             from_peer: from_peer.transpose()?,
