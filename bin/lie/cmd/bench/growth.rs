@@ -20,7 +20,7 @@ use crate::{
 ///
 /// Scenes are made for it: closed rooms with ten lights in each, of which a point sees its own
 /// room's however many there are; and the mosque, carved more and more finely. Sixteen
-/// million triangles take 8 GiB of memory.
+/// million triangles take some 4 GB of memory.
 #[derive(Args)]
 pub(crate) struct Growth {
     /// What grows, in turn.
