@@ -398,6 +398,53 @@ fn check_links(report: &Path, text: &str) {
 }
 
 #[test]
+fn growth_makes_its_own_scenes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = lie();
+    bench.args(["bench", "growth", "--size", "32x32", "--repeat", "1"]);
+    bench.args(["--threads", "1", "--axes", "lights,triangles"]);
+    bench.args(["--lights", "10,40,10", "--triangles", "200k", "--report"]);
+    bench.arg(folder.path());
+    let written = json(bench);
+    let keys = "integrator lights triangles build_ms frame_ms frame_ms_min frame_ms_max speedup \
+                relative_rmse construct_ms visibility_ms traced_ms";
+    check_rows(&written["rows"], keys, &[]);
+    let rows = written["rows"].as_array().unwrap();
+    let sizes: Vec<(&Value, &Value)> = rows
+        .iter()
+        .map(|row| (&row["grows"], &row["lights"]))
+        .collect();
+    let (lights, triangles) = (Value::from("lights"), Value::from("triangles"));
+    let (ten, forty, hundred) = (10.into(), 40.into(), 100.into());
+    assert_eq!(
+        sizes,
+        [
+            (&lights, &ten),
+            (&lights, &ten),
+            (&lights, &forty),
+            (&lights, &forty),
+            (&triangles, &hundred),
+            (&triangles, &hundred)
+        ]
+    );
+    for row in rows.iter().filter(|row| row["integrator"] == "lie") {
+        assert!(row["relative_rmse"].as_f64().unwrap() < 0.02, "{row}");
+    }
+    for name in ["growth-lights.svg", "growth-triangles.svg"] {
+        assert!(folder.path().join("growth").join(name).exists(), "{name}");
+    }
+    for (option, value) in [
+        ("--lights", "0"),
+        ("--triangles", "17M"),
+        ("--lights", "some"),
+    ] {
+        let mut bench = lie();
+        let message = failure(bench.args(["bench", "growth", option, value]), 2);
+        assert!(message.contains(value.trim_end_matches('M')), "{message}");
+    }
+}
+
+#[test]
 fn wrong_arguments_end_in_2_and_say_what_was_expected() {
     for (command, arguments, expected) in [
         ("table1", &["no/such/scene"][..], "no/such/scene"),

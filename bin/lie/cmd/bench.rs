@@ -2,7 +2,9 @@
 
 mod course;
 mod figure4;
+mod growth;
 mod output;
+mod peers;
 mod report;
 mod subject;
 
@@ -17,7 +19,9 @@ use lie_farm::ConstructSettings;
 use self::{
     course::Course,
     figure4::Figure4,
+    growth::Growth,
     output::{Output, progress_bar, teller},
+    peers::Peers,
     report::Report,
     subject::Subject,
 };
@@ -36,6 +40,8 @@ pub(crate) enum BenchCommand {
     Figure4(Figure4),
     Converge(Converge),
     Report(Report),
+    Peers(Peers),
+    Growth(Growth),
 }
 
 /// The paper's Table 1: time, speed-up and error of a frame, by each integrator.
@@ -132,6 +138,8 @@ pub(crate) fn execute(command: &BenchCommand) -> anyhow::Result<()> {
         BenchCommand::Figure4(arguments) => arguments.execute(),
         BenchCommand::Converge(arguments) => arguments.execute(),
         BenchCommand::Report(arguments) => arguments.execute(),
+        BenchCommand::Peers(arguments) => arguments.execute(),
+        BenchCommand::Growth(arguments) => arguments.execute(),
     }
 }
 
@@ -227,23 +235,32 @@ impl Frames {
             threads: self.threads()?,
             repeat: self.repeat,
         };
-        let bar = progress_bar();
-        let frames = measure_frames(stage, lineup, &config, &teller(&bar))?;
-        bar.finish_and_clear();
-        Ok(frames)
+        race(stage, lineup, &config)
     }
 
-    /// Each number once, in order.
     fn threads(&self) -> anyhow::Result<Vec<usize>> {
-        let mut all = vec![];
-        for &wanted in &self.threads {
-            let threads = process::threads(wanted)?;
-            if !all.contains(&threads) {
-                all.push(threads);
-            }
-        }
-        Ok(all)
+        thread_counts(&self.threads)
     }
+}
+
+/// Renders a view by a line-up, with a bar.
+fn race(stage: &Stage, lineup: &Lineup, config: &FramesConfig) -> anyhow::Result<SceneFrames> {
+    let bar = progress_bar();
+    let frames = measure_frames(stage, lineup, config, &teller(&bar))?;
+    bar.finish_and_clear();
+    Ok(frames)
+}
+
+/// Each number once, in order; 0 is one for each core.
+fn thread_counts(wanted: &[usize]) -> anyhow::Result<Vec<usize>> {
+    let mut all = vec![];
+    for &wanted in wanted {
+        let threads = process::threads(wanted)?;
+        if !all.contains(&threads) {
+            all.push(threads);
+        }
+    }
+    Ok(all)
 }
 
 impl Learning {

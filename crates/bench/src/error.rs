@@ -1,5 +1,7 @@
 use std::path::PathBuf;
 
+use crate::peers::PeerError;
+
 /// Why a measurement or its report came to nothing.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -13,6 +15,9 @@ pub enum BenchError {
     /// A plot could not be drawn.
     #[error("cannot draw a plot: {0}")]
     Plot(String),
+    /// Another program could not be measured.
+    #[error(transparent)]
+    Peer(#[from] PeerError),
     /// A file or folder could not be written.
     #[error("cannot write {path}: {source}")]
     Write {

@@ -7,6 +7,8 @@
 //!   ([`paper`]) beside ours.
 //! * [`figure4`] shows what each pixel costs, as the paper's Figure 4.
 //! * [`converge`] follows error and frame time while LIEs are constructed.
+//! * [`growth`] measures frames over the number of lights and of triangles.
+//! * [`peers`] lets another program render the same scene in turn with ours.
 //! * [`Table`], [`plot`], [`Report`] and [`Machine`] are what comes out: text, Markdown, SVG.
 //!
 //! Times are milliseconds on the wall. Every time stands beside the error of its picture,
@@ -45,7 +47,9 @@ mod table;
 
 pub mod converge;
 pub mod figure4;
+pub mod growth;
 pub mod paper;
+pub mod peers;
 pub mod plot;
 pub mod table1;
 pub mod table2;

@@ -69,12 +69,15 @@ pub(crate) struct Runs {
 impl Runs {
     /// Its times.
     pub(crate) fn frame_ms(&self) -> Spread {
-        const NONE: Spread = Spread {
-            median: 0.0,
-            min: 0.0,
-            max: 0.0,
-        };
-        Spread::of(&self.times_ms).unwrap_or(NONE)
+        Spread::of(&self.times_ms).unwrap_or(Spread::NONE)
+    }
+
+    /// Each repetition's time of primary visibility.
+    pub(crate) fn visibility_ms(&self) -> Vec<f64> {
+        self.stages
+            .iter()
+            .map(|stages| stages.visibility_ms)
+            .collect()
     }
 
     /// Where its time went, in the median.
@@ -98,32 +101,41 @@ pub(crate) fn race(
     entrants: &[Entrant<'_>],
     progress: &Progress<'_>,
 ) -> Vec<Runs> {
-    let threads = pool.current_num_threads();
     let mut all: Vec<Runs> = vec![];
     for repetition in 0..repeat.max(1) {
-        for (index, entrant) in entrants.iter().enumerate() {
-            let what = format!(
-                "{}, {threads} threads, {} of {repeat}",
-                entrant.name,
-                repetition + 1
-            );
-            let (film, stats, time_ms) = timed(pool, &entrant.render, &|share| {
-                progress(&what, share);
-            });
-            if repetition == 0 {
-                all.push(Runs {
-                    film,
-                    stats,
-                    times_ms: vec![],
-                    stages: vec![],
-                });
-            }
-            all[index].times_ms.push(time_ms);
-            all[index].stages.push(Stages::new(&stats, threads));
-            all[index].stats = stats;
-        }
+        let round = format!("{} of {repeat}", repetition + 1);
+        race_round(pool, &round, entrants, &mut all, progress);
     }
     all
+}
+
+/// One round of a [`race`]: each entrant renders once, in order. `all` holds what they did in the
+/// rounds before, and is empty in the first.
+pub(crate) fn race_round(
+    pool: &rayon::ThreadPool,
+    round: &str,
+    entrants: &[Entrant<'_>],
+    all: &mut Vec<Runs>,
+    progress: &Progress<'_>,
+) {
+    let threads = pool.current_num_threads();
+    for (index, entrant) in entrants.iter().enumerate() {
+        let what = format!("{}, {threads} threads, {round}", entrant.name);
+        let (film, stats, time_ms) = timed(pool, &entrant.render, &|share| {
+            progress(&what, share);
+        });
+        if index == all.len() {
+            all.push(Runs {
+                film,
+                stats,
+                times_ms: vec![],
+                stages: vec![],
+            });
+        }
+        all[index].times_ms.push(time_ms);
+        all[index].stages.push(Stages::new(&stats, threads));
+        all[index].stats = stats;
+    }
 }
 
 /// One frame on these threads, and its time.

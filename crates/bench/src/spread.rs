@@ -10,6 +10,13 @@ pub struct Spread {
 }
 
 impl Spread {
+    /// Of nothing that was measured.
+    pub(crate) const NONE: Self = Self {
+        median: 0.0,
+        min: 0.0,
+        max: 0.0,
+    };
+
     /// Of some values, in any order; `None` of none.
     #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {

@@ -7,7 +7,7 @@
 //! loaders apply every transform.
 //!
 //! [`Scene`] is the whole; [`load`] reads one from a file; [`cornell_box`], [`gallery`], [`bar`],
-//! [`mosque`] and [`science_center`] make one by rule; [`export_glb`] and [`export_obj`] write one, and [`Summary`] says what
+//! [`mosque`], [`science_center`] and [`rooms`] make one by rule; [`export_glb`] and [`export_obj`] write one, and [`Summary`] says what
 //! is in it.
 //!
 //! ```
@@ -40,7 +40,8 @@ mod walkthrough;
 pub use camera::{Camera, CameraFilm};
 pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
 pub use generate::{
-    Bar, Gallery, Mosque, ScienceCenter, bar, cornell_box, gallery, mosque, science_center,
+    Bar, Gallery, Mosque, Rooms, ScienceCenter, bar, cornell_box, gallery, mosque, rooms,
+    science_center,
 };
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
 pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample, ramp_slope};

@@ -28,6 +28,7 @@ pub(crate) struct Subject {
 }
 
 /// A scene that was loaded, and how to look at it.
+#[derive(Clone)]
 pub(crate) struct LoadedScene {
     path: String,
     scene: Arc<Scene>,
@@ -37,6 +38,11 @@ pub(crate) struct LoadedScene {
 }
 
 impl Subject {
+    /// Size of the pictures in pixels.
+    pub(crate) fn size(&self) -> UVec2 {
+        self.size
+    }
+
     /// All scenes: what is wrong with the last is said before the first is measured.
     pub(crate) fn load(&self) -> anyhow::Result<Vec<LoadedScene>> {
         if let Some(missing) = self.scenes.iter().find(|path| !path.exists()) {
@@ -68,6 +74,24 @@ impl Subject {
 }
 
 impl LoadedScene {
+    /// What it was loaded from.
+    pub(crate) fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// The scene.
+    pub(crate) fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Another scene, looked at as this one.
+    pub(crate) fn with_scene(&self, scene: Arc<Scene>) -> Self {
+        Self {
+            scene,
+            ..self.clone()
+        }
+    }
+
     /// Ready to be measured.
     pub(crate) fn stage(self) -> Stage {
         let accel = self.accel.into();

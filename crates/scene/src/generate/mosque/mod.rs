@@ -79,7 +79,7 @@ impl Site {
             draft,
             palette,
             key: key.mix(2),
-            detail: parameters.detail.clamp(0.05, super::MAX_DETAIL),
+            detail: parameters.detail.clamp(0.05, Mosque::MAX_DETAIL),
         }
     }
 
