@@ -333,15 +333,15 @@ impl LieTree {
         let mut shared = HashSet::new();
         self.tree.for_each(|_, cell| {
             let Cell::Leaf(leaf) = cell else { return };
-            let lie = leaf.unpack();
+            let counts = leaf.counts();
             // Parts of a cell that nobody has sampled yet are one.
-            if lie.samples() == 0 && !shared.insert(std::ptr::from_ref(leaf)) {
+            if counts.samples == 0 && !shared.insert(std::ptr::from_ref(leaf)) {
                 return;
             }
-            stats.cells += u64::from(lie.samples() > 0);
-            stats.entries += (lie.lights().count() + lie.region().lit()) as u64;
-            stats.masked += lie.lights().filter(|entry| entry.mask.is_some()).count() as u64;
-            stats.occluders += (lie.listed() + lie.region().listed()) as u64;
+            stats.cells += u64::from(counts.samples > 0);
+            stats.entries += u64::from(counts.entries);
+            stats.masked += u64::from(counts.masked);
+            stats.occluders += u64::from(counts.occluders);
             stats.bytes += leaf.bytes() as u64;
         });
         stats

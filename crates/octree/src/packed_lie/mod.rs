@@ -15,9 +15,25 @@ use crate::Lie;
 
 /// A [`Lie`] in few bytes. Equal ones have equal bytes.
 ///
-/// Invariant: the bytes are those of a whole [`Lie`].
+/// Invariant: the bytes are those of a whole [`Lie`], and the counts are its own.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PackedLie(Box<[u8]>);
+pub struct PackedLie {
+    bytes: Box<[u8]>,
+    counts: Counts,
+}
+
+/// What is counted often, of every cell there is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Counts {
+    /// Samples taken in it.
+    pub(crate) samples: u32,
+    /// Lights that reach it, by samples or by proof.
+    pub(crate) entries: u32,
+    /// Those of them that are masked.
+    pub(crate) masked: u32,
+    /// Triangles in all of its lists.
+    pub(crate) occluders: u32,
+}
 
 impl Default for PackedLie {
     fn default() -> Self {
@@ -31,13 +47,22 @@ impl PackedLie {
     pub fn of(lie: &Lie) -> Self {
         let mut out = Writer::default();
         encode::lie(&mut out, lie);
-        Self(out.0.into())
+        let masked = lie.lights().filter(|entry| entry.mask.is_some());
+        Self {
+            bytes: out.0.into(),
+            counts: Counts {
+                samples: lie.samples,
+                entries: (lie.lights().count() + lie.region.lit()) as u32,
+                masked: masked.count() as u32,
+                occluders: (lie.listed() + lie.region.listed()) as u32,
+            },
+        }
     }
 
     /// The same in the form that is read and changed.
     #[must_use]
     pub fn unpack(&self) -> Lie {
-        match lie(&mut Reader(&self.0), None) {
+        match lie(&mut Reader(&self.bytes), None) {
             Ok(lie) => lie,
             Err(_) => unreachable!("its bytes were those of a whole one"),
         }
@@ -45,12 +70,16 @@ impl PackedLie {
 
     /// What it is held in.
     pub(crate) fn as_bytes(&self) -> &[u8] {
-        &self.0
+        &self.bytes
+    }
+
+    pub(crate) fn counts(&self) -> Counts {
+        self.counts
     }
 
     /// Memory in bytes.
     pub(crate) fn bytes(&self) -> usize {
-        size_of::<Self>() + self.0.len()
+        size_of::<Self>() + self.bytes.len()
     }
 }
 

@@ -103,6 +103,8 @@ proptest! {
         let mut reader = Reader(packed.as_bytes());
         prop_assert_eq!(lie(&mut reader, Some(LIMITS)), Ok(cell));
         prop_assert_eq!(reader.0.len(), 0);
+        let lit = packed.unpack().lights().count() + packed.unpack().region().lit();
+        prop_assert_eq!(packed.counts().entries as usize, lit);
     }
 
     #[test]

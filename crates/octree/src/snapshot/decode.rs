@@ -124,7 +124,7 @@ impl Nodes<'_> {
             same => {
                 let sibling = siblings.get(usize::from(same - tag::SAME));
                 // Nodes with children in several places would be a tree of any size.
-                let is_part = |node: &&Arc<Node<PackedLie>>| matches!(&***node, Node::Leaf(lie) if lie.unpack().samples == 0);
+                let is_part = |node: &&Arc<Node<PackedLie>>| matches!(&***node, Node::Leaf(lie) if lie.counts().samples == 0);
                 let sibling = sibling.filter(is_part).cloned();
                 sibling.ok_or(TreeError::Malformed("a cell repeats what is not there"))
             }
