@@ -25,7 +25,7 @@ const SIZE: UVec2 = UVec2::splat(512);
 const SHADER_LIMIT: u64 = 50_000_000;
 
 /// Bytes that the constructor's cells may hold then, with all evidence, by default.
-const CONSTRUCTOR_LIMIT: u64 = 200_000_000;
+const CONSTRUCTOR_LIMIT: u64 = 80_000_000;
 
 #[test]
 #[ignore = "takes many minutes"]

@@ -64,7 +64,7 @@ fn construct(world: &Arc<World>, threads: usize, proofs: bool) -> Builder {
 }
 
 /// The cells that the camera sees.
-fn cells<'a>(builder: &'a Builder, world: &World) -> Vec<&'a Lie> {
+fn cells(builder: &Builder, world: &World) -> Vec<Lie> {
     let view = view(world);
     let mut keys = vec![];
     for y in 0..SIZE.y {

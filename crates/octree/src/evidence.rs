@@ -1,7 +1,6 @@
 use crate::{LitLight, Outcome, lie::QUARTER, observer::ASKED_FIRST};
 
-/// What the constructor knows of a light from a cell. There are millions: counts stop at the
-/// largest that fits.
+/// What the constructor knows of a light from a cell. Counts stop at the largest that fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightEvidence {
     /// Number of the light in the scene.
@@ -28,7 +27,7 @@ pub struct LightEvidence {
     pub mask: Option<Mask>,
     /// The triangles that came in between, in the order of their discovery. Of a hidden
     /// light, some of them; of a crowded one, none.
-    pub occluders: Box<[Occluder]>,
+    pub occluders: Vec<Occluder>,
 }
 
 /// How a light is shaded whose shadows nobody sees.
@@ -99,7 +98,7 @@ impl LightEvidence {
             most: 0.0,
             withheld: 0.0,
             mask: None,
-            occluders: Box::default(),
+            occluders: vec![],
         }
     }
 
@@ -128,8 +127,8 @@ impl LightEvidence {
 
     /// Keeps of what may be in the way that which can be.
     pub(crate) fn narrow(&mut self, may_block: impl Fn(u32) -> bool) {
-        let may_block = |occluder: &&Occluder| may_block(occluder.triangle());
-        self.occluders = self.occluders.iter().filter(may_block).copied().collect();
+        self.occluders
+            .retain(|occluder| may_block(occluder.triangle()));
     }
 
     /// Whether it reaches the cell, as far as is known.
@@ -149,8 +148,7 @@ impl LightEvidence {
         if self.inherited && (self.own_rays() >= Self::SETTLED || is_crowd) {
             // There are rays enough to drop what they did not confirm.
             self.inherited = false;
-            let confirmed = self.occluders.iter().filter(|own| own.is_confirmed());
-            self.occluders = confirmed.copied().collect();
+            self.occluders.retain(|own| own.is_confirmed());
             self.crowded = self.is_lit() && self.occluders.len() > crowd as usize;
             if self.clear == 0 {
                 self.agreed = self.blocked;
@@ -159,7 +157,7 @@ impl LightEvidence {
             self.crowded = true;
         }
         if self.is_past_listing() {
-            self.occluders = Box::default();
+            self.occluders = vec![];
         }
     }
 
@@ -222,9 +220,7 @@ impl LightEvidence {
         if let Some(known) = known.find(|known| known.triangle() == triangle) {
             *known = Occluder::confirmed(triangle);
         } else if self.is_lit() || self.occluders.len() < crowd as usize {
-            let mut occluders = std::mem::take(&mut self.occluders).into_vec();
-            occluders.push(Occluder::confirmed(triangle));
-            self.occluders = occluders.into_boxed_slice();
+            self.occluders.push(Occluder::confirmed(triangle));
             if self.is_lit() {
                 self.agreed = 0;
             }

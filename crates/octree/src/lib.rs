@@ -7,6 +7,7 @@
 //!   results, in a fixed order, is up to one of them.
 //! * [`CellState`] is what one cell looks like from outside: the unit of deltas and
 //!   snapshots. [`Replica`] is a shader's copy of the tree, fed with them.
+//! * [`PackedLie`] is what a cell is at rest, [`Lie`] what is read and changed.
 //! * [`Octree`] is the tree itself: persistent, so that a clone is a snapshot and costs
 //!   nothing. [`LieTree::to_bytes`] is one that outlasts the process.
 //!
@@ -38,6 +39,7 @@ mod masking;
 mod observe;
 mod observer;
 mod odds;
+mod packed_lie;
 mod proof;
 mod replica;
 mod snapshot;
@@ -52,6 +54,7 @@ pub use lie_tree::{LieSettings, LieStats, LieTree};
 pub use observe::{Between, GROUP, Observation, Outcome, ShadowRay, Visibility};
 pub use observer::Observer;
 pub use odds::Odds;
+pub use packed_lie::PackedLie;
 pub use proof::{Proof, Region};
 pub use replica::{CellBody, CellState, LieState, LitLight, Replica};
 pub use snapshot::{TREE_FORMAT, TreeError, TreeFit};

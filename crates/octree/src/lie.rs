@@ -112,7 +112,6 @@ impl Lie {
     /// Takes over what has become certain, and where.
     pub(crate) fn settle(&mut self, region: Region) {
         self.lights.retain(|entry| !region.is_settled(entry.light));
-        self.lights.shrink_to_fit();
         let is_lost = |(light, _)| region.proof(light).is_none();
         if self.region.lights().any(is_lost) {
             self.dark = 0;
@@ -245,7 +244,6 @@ impl Lie {
         for entry in &mut self.lights {
             entry.settle(settings.crowd);
         }
-        self.lights.shrink_to_fit();
         self.mask(settings);
     }
 
@@ -361,14 +359,6 @@ impl Lie {
             }
         };
         (0..lights).filter(is_left_out).collect()
-    }
-
-    /// Heap memory in bytes.
-    pub(crate) fn bytes(&self) -> usize {
-        let occluders: usize = self.lights.iter().map(|entry| entry.occluders.len()).sum();
-        size_of_val(&self.lights[..])
-            + occluders * size_of::<crate::Occluder>()
-            + self.region.bytes()
     }
 }
 

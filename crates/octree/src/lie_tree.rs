@@ -4,7 +4,8 @@ use glam::Vec3;
 use lie_geom::Aabb;
 
 use crate::{
-    Between, CellBody, CellKey, CellState, Lie, LightEvidence, Observation, Proof, Region,
+    Between, CellBody, CellKey, CellState, Lie, LightEvidence, Observation, PackedLie, Proof,
+    Region,
     tree::{Cell, Cube, Octree},
 };
 
@@ -65,12 +66,12 @@ pub struct LieStats {
     pub bytes: u64,
 }
 
-/// The constructor's tree: an octree of [`Lie`]s that grows by observations.
+/// The constructor's tree: an octree of [`Lie`]s, packed, that grows by observations.
 ///
 /// A clone is a snapshot: it shares everything and never changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LieTree {
-    pub(crate) tree: Octree<Lie>,
+    pub(crate) tree: Octree<PackedLie>,
     pub(crate) settings: LieSettings,
     /// Lights of the scene.
     pub(crate) lights: u32,
@@ -85,7 +86,7 @@ impl LieTree {
     #[must_use]
     pub fn new(bounds: Aabb, lights: u32, settings: LieSettings) -> Self {
         Self {
-            tree: Octree::new(Cube::around(bounds), Lie::default()),
+            tree: Octree::new(Cube::around(bounds), PackedLie::default()),
             settings: LieSettings {
                 max_depth: settings.max_depth.min(CellKey::MAX_DEPTH),
                 masking: settings.masking.clamp(0.0, 1.0),
@@ -122,9 +123,15 @@ impl LieTree {
         self.samples
     }
 
-    /// The LIE of the smallest cell around a point.
+    /// The LIE of the smallest cell around a point, unpacked.
     #[must_use]
-    pub fn lie_at(&self, point: Vec3) -> &Lie {
+    pub fn lie_at(&self, point: Vec3) -> Lie {
+        self.packed_at(point).unpack()
+    }
+
+    /// The same as it is held; of points in one cell it is the same one.
+    #[must_use]
+    pub fn packed_at(&self, point: Vec3) -> &PackedLie {
         self.tree.leaf_at(point)
     }
 
@@ -142,8 +149,10 @@ impl LieTree {
         let mut other = self.clone();
         other.settings.masking = masking.clamp(0.0, 1.0);
         for key in self.keys() {
-            if let Some(lie) = other.tree.leaf_mut(key) {
+            if let Some(leaf) = other.tree.leaf_mut(key) {
+                let mut lie = leaf.unpack();
                 lie.mask(&other.settings);
+                *leaf = PackedLie::of(&lie);
             }
         }
         other
@@ -153,11 +162,14 @@ impl LieTree {
     /// such leaf.
     pub fn settle(&mut self, key: CellKey, region: Region) {
         let version = self.version + 1;
-        if let Some(lie) = self.tree.leaf_mut(key)
-            && *lie.region() != region
-        {
+        let Some(leaf) = self.tree.leaf_mut(key) else {
+            return;
+        };
+        let mut lie = leaf.unpack();
+        if *lie.region() != region {
             lie.settle(region);
             lie.version = version;
+            *leaf = PackedLie::of(&lie);
             self.changed.insert(key);
         }
     }
@@ -169,15 +181,17 @@ impl LieTree {
     pub fn contradict(&mut self, point: Vec3, light: u32, blocker: Option<u32>) -> bool {
         let (settings, version) = (self.settings, self.version + 1);
         let key = self.tree.key_at(point);
-        let Some(lie) = self.tree.leaf_mut(key) else {
+        let Some(leaf) = self.tree.leaf_mut(key) else {
             return false;
         };
+        let mut lie = leaf.unpack();
         let is_told = settings.trust == 0 || lie.region().bounds.contains(point);
         let is_wrong =
             light < self.lights && is_told && lie.is_contradicted(light, blocker, settings.trust);
         if is_wrong {
             lie.contradict(light, blocker, &settings);
             lie.version = version;
+            *leaf = PackedLie::of(&lie);
             self.changed.insert(key);
         }
         is_wrong
@@ -187,18 +201,18 @@ impl LieTree {
     /// nothing that is certain. Says whether it did.
     pub fn split(&mut self, key: CellKey) -> bool {
         let version = self.version + 1;
-        let Some(Cell::Leaf(lie)) = self.tree.get(key) else {
+        let Some(Cell::Leaf(leaf)) = self.tree.get(key) else {
             return false;
         };
         if key.depth() >= self.settings.max_depth {
             return false;
         }
         let part = if self.settings.inherit {
-            lie.part(version)
+            leaf.unpack().part(version)
         } else {
             Lie::empty(version)
         };
-        self.tree.split(key, &part);
+        self.tree.split(key, &PackedLie::of(&part));
         self.changed.insert(key);
         self.changed.extend((0..8).map(|octant| key.child(octant)));
         true
@@ -235,14 +249,15 @@ impl LieTree {
     ) {
         let (settings, lights, version) = (self.settings, self.lights, self.version);
         let bounds = self.cube().cell_bounds(key);
-        let Some(lie) = self.tree.leaf_mut(key) else {
+        let Some(leaf) = self.tree.leaf_mut(key) else {
             return;
         };
+        let mut lie = leaf.unpack();
         let told = lie.state(settings.trust, lights);
         if lie.samples() == 0 {
             lie.narrow(bounds, geometry);
+            *leaf = PackedLie::of(&lie);
         }
-        let before = lie.clone();
         lie.record(group.iter().map(|(_, seen)| *seen), &settings);
         if told != lie.state(settings.trust, lights) {
             lie.version = version + 1;
@@ -252,8 +267,8 @@ impl LieTree {
         let dense = group.len() >= settings.split_samples as usize;
         // Where something was to be proven, whoever tried it splits.
         let is_free = !lie.region().lights().any(|entry| entry.1 == Proof::Open);
+        // Its parts start from what was known before.
         if is_free && too_complex && dense && key.depth() < settings.max_depth {
-            *lie = before;
             self.split(key);
             let points = group.iter().map(|(_, seen)| *seen);
             let mut children: Vec<(CellKey, &Observation)> = points
@@ -263,6 +278,8 @@ impl LieTree {
             for group in children.chunk_by(|a, b| a.0 == b.0) {
                 self.record_in(group[0].0, group, geometry);
             }
+        } else {
+            *leaf = PackedLie::of(&lie);
         }
     }
 
@@ -286,11 +303,14 @@ impl LieTree {
                 version: self.version,
                 body: CellBody::Inner,
             },
-            Cell::Leaf(lie) => CellState {
-                key,
-                version: lie.version,
-                body: CellBody::Leaf(lie.state(self.settings.trust, self.lights)),
-            },
+            Cell::Leaf(leaf) => {
+                let lie = leaf.unpack();
+                CellState {
+                    key,
+                    version: lie.version,
+                    body: CellBody::Leaf(lie.state(self.settings.trust, self.lights)),
+                }
+            }
         })
     }
 
@@ -300,7 +320,7 @@ impl LieTree {
     pub fn keys(&self) -> Vec<CellKey> {
         let mut keys = vec![];
         self.tree.for_each(|key, cell| match cell {
-            Cell::Leaf(lie) if lie.is_untold(self.settings.trust) => {}
+            Cell::Leaf(leaf) if leaf.unpack().is_untold(self.settings.trust) => {}
             _ => keys.push(key),
         });
         keys
@@ -312,16 +332,17 @@ impl LieTree {
         let mut stats = LieStats::default();
         let mut shared = HashSet::new();
         self.tree.for_each(|_, cell| {
-            let Cell::Leaf(lie) = cell else { return };
+            let Cell::Leaf(leaf) = cell else { return };
+            let counts = leaf.counts();
             // Parts of a cell that nobody has sampled yet are one.
-            if lie.samples() == 0 && !shared.insert(std::ptr::from_ref(lie)) {
+            if counts.samples == 0 && !shared.insert(std::ptr::from_ref(leaf)) {
                 return;
             }
-            stats.cells += u64::from(lie.samples() > 0);
-            stats.entries += (lie.lights().count() + lie.region().lit()) as u64;
-            stats.masked += lie.lights().filter(|entry| entry.mask.is_some()).count() as u64;
-            stats.occluders += (lie.listed() + lie.region().listed()) as u64;
-            stats.bytes += (size_of::<Lie>() + lie.bytes()) as u64;
+            stats.cells += u64::from(counts.samples > 0);
+            stats.entries += u64::from(counts.entries);
+            stats.masked += u64::from(counts.masked);
+            stats.occluders += u64::from(counts.occluders);
+            stats.bytes += leaf.bytes() as u64;
         });
         stats
     }
@@ -334,7 +355,8 @@ impl LieTree {
         let mut broken = Ok(());
         let may_be_listed = |listed: usize| listed <= self.settings.crowd as usize;
         self.tree.for_each(|key, cell| {
-            let Cell::Leaf(lie) = cell else { return };
+            let Cell::Leaf(leaf) = cell else { return };
+            let lie = leaf.unpack();
             let region = lie.region();
             let is_certain = |entry: &LightEvidence| region.is_settled(entry.light);
             let one_verdict =

@@ -147,12 +147,6 @@ impl Region {
             && self.lists_before(self.verdicts.len()) == self.lists.len()
     }
 
-    /// Heap memory in bytes.
-    pub(crate) fn bytes(&self) -> usize {
-        let lists: usize = self.lists.iter().map(TriangleSet::bytes).sum();
-        size_of_val(&self.verdicts[..]) + size_of_val(&self.lists[..]) + lists
-    }
-
     /// Lists of the lights before the one at a place.
     fn lists_before(&self, place: usize) -> usize {
         let before = self.verdicts[..place].iter();

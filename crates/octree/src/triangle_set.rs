@@ -48,9 +48,37 @@ impl TriangleSet {
             .any(|known| known == triangle)
     }
 
-    /// Heap memory in bytes.
-    pub(crate) fn bytes(&self) -> usize {
-        self.packed.len()
+    /// What it is held in.
+    pub(crate) fn as_bytes(&self) -> &[u8] {
+        &self.packed
+    }
+
+    /// From what another is held in.
+    pub(crate) fn from_own(packed: &[u8]) -> Self {
+        Self {
+            packed: packed.into(),
+        }
+    }
+
+    /// From whatever bytes; `None` if no set of triangles below `end` is held in them.
+    pub(crate) fn from_any(packed: &[u8], end: u32) -> Option<Self> {
+        let mut triangles = vec![];
+        let (mut distance, mut shift, mut before) = (0u64, 0, 0u64);
+        for &byte in packed {
+            if shift > 28 {
+                return None;
+            }
+            distance |= u64::from(byte & !MORE) << shift;
+            shift += 7;
+            if byte & MORE == 0 {
+                before += distance;
+                triangles.push(u32::try_from(before).ok().filter(|&number| number < end)?);
+                (distance, shift) = (0, 0);
+            }
+        }
+        // Each set is held in one way only.
+        let set = Self::from(triangles);
+        (*set.packed == *packed).then_some(set)
     }
 }
 
@@ -100,6 +128,23 @@ mod tests {
             prop_assert_eq!((set.len(), set.is_empty()), (expected.len(), expected.is_empty()));
             prop_assert!(expected.iter().all(|&triangle| set.contains(triangle)));
             prop_assert_eq!(set.contains(other), expected.contains(&other));
+            let last = expected.last().copied();
+            let end = last.map_or(0, |last| last.saturating_add(1));
+            if last != Some(u32::MAX) {
+                prop_assert_eq!(TriangleSet::from_any(set.as_bytes(), end), Some(set.clone()));
+            }
+            if let Some(last) = last {
+                prop_assert_eq!(TriangleSet::from_any(set.as_bytes(), last), None);
+            }
+        }
+
+        #[test]
+        fn whatever_is_taken_for_one_is_one(bytes in prop::collection::vec(any::<u8>(), 0..12), end in any::<u32>()) {
+            if let Some(set) = TriangleSet::from_any(&bytes, end) {
+                let triangles: Vec<u32> = set.iter().collect();
+                prop_assert!(triangles.is_sorted_by(|a, b| a < b) && triangles.iter().all(|&it| it < end));
+                prop_assert_eq!(TriangleSet::from(triangles), set);
+            }
         }
     }
 }

@@ -212,7 +212,7 @@ proptest! {
             prop_assert_eq!(seen.predicted, seen.actual);
         }
         points.retain(|point| point.x > 0.3);
-        let evidence = points.first().and_then(|&point| tree.lie_at(point).evidence(0));
+        let evidence = points.first().and_then(|&point| tree.lie_at(point).evidence(0).cloned());
         prop_assert!(evidence.is_none_or(|known| known.occluders.len() == 1));
     }
 }

@@ -93,8 +93,9 @@ fn grown(settings: LieSettings, events: Vec<Event>) -> LieTree {
             Event::Record(mut batch) => {
                 // What is certain is not sampled.
                 for seen in &mut batch {
-                    let region = tree.lie_at(seen.point).region();
-                    seen.outcomes.retain(|it| !region.is_settled(it.light));
+                    let lie = tree.lie_at(seen.point);
+                    seen.outcomes
+                        .retain(|it| !lie.region().is_settled(it.light));
                 }
                 tree.record(&batch);
             }

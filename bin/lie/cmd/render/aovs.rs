@@ -40,7 +40,11 @@ pub(super) fn find(
             return;
         };
         let (lie, trust) = (tree.lie_at(point), tree.settings().trust);
-        all.extend(lights.clone().map(|light| inspect::odds(lie, light, trust)));
+        all.extend(
+            lights
+                .clone()
+                .map(|light| inspect::odds(&lie, light, trust)),
+        );
     };
     let asked = lies.as_ref().map(|lies| AovLies {
         lookup: lies as &dyn LieLookup,

@@ -297,7 +297,7 @@ impl Builder {
                 let parent = CellKey::from_raw(key.raw() >> 3);
                 let above = parent.and_then(|parent| above.get(&parent));
                 let bounds = tree.cube().cell_bounds(key);
-                let region = prover.settle(world, lie, above, bounds, &points);
+                let region = prover.settle(world, &lie, above, bounds, &points);
                 (key, region, points)
             };
             let settled: Vec<(CellKey, Option<Region>, Vec<&Point>)> = self

@@ -1,6 +1,6 @@
 //! Which surface points of a part of a view are worth a sample, and in which order.
 
-use lie_octree::{CellKey, Doubt, Lie, LieTree};
+use lie_octree::{CellKey, Doubt, LieTree, PackedLie};
 use lie_render::World;
 use rayon::prelude::*;
 
@@ -136,10 +136,10 @@ impl Weighing<'_> {
             rank: 0,
         };
         let (mut sum, mut passed_over) = (0.0, [0; 2]);
-        let in_cell = |place: &'p Place| (place, self.tree.lie_at(place.origin));
-        let placed: Vec<(&Place, &Lie)> = places.iter().map(in_cell).collect();
+        let in_cell = |place: &'p Place| (place, self.tree.packed_at(place.origin));
+        let placed: Vec<(&Place, &PackedLie)> = places.iter().map(in_cell).collect();
         for part in placed.chunk_by(|a, b| std::ptr::eq(a.1, b.1)) {
-            let lie = part[0].1;
+            let lie = part[0].1.unpack();
             let known = lie.doubt(trust, lights, |light| !(is_survey && serves(light)));
             for &(place, _) in part {
                 // What is known of a cell is known of its region.

@@ -68,13 +68,13 @@ fn seen(world: &World, tree: &LieTree, light: &PixelLight) -> SeenReport {
     let lie = tree.lie_at(light.surface.shadow_origin);
     let inspector = Inspector {
         names,
-        lie,
+        lie: &lie,
         trust: tree.settings().trust,
     };
     let lights = light.lights.iter();
     SeenReport {
         surface: inspector.surface(&light.surface, light),
-        cell: cell(tree, lie, light.surface.shadow_origin),
+        cell: cell(tree, &lie, light.surface.shadow_origin),
         lights: lights.map(|share| inspector.light(share)).collect(),
         totals: inspector.totals(&light.lights),
     }

@@ -157,7 +157,7 @@ fn a_snapshot_of_something_else_is_refused_and_said_why() {
     newer[8] = 99;
     assert_eq!(
         refused(&newer, builder(|_| {}), hash()),
-        "its format is 99.1, not 1.1"
+        "its format is 99.2, not 1.2"
     );
     let longer = [saved(), &[0]].concat();
     let expected = format!(

@@ -1,7 +1,7 @@
 use glam::Vec3;
 use lie_geom::Ray;
 
-use super::{Observer, lanes};
+use super::{Observer, lanes, listed};
 use crate::{Outcome, ShadowRay, Visibility};
 
 /// Triangles that rays are aimed past in vain before it ends, for one light to which each
@@ -48,7 +48,7 @@ impl<V: Visibility> Observer<'_, V> {
         place: usize,
         triangle: u32,
     ) -> Option<bool> {
-        let listed = self.listed(place, light);
+        let listed = listed(&self.cells[place], light);
         let is_listed = listed.iter().any(|known| known.triangle() == triangle);
         let source = self.scratch.sources[place].clone();
         let found = &self.scratch.found[place];
@@ -68,7 +68,7 @@ impl<V: Visibility> Observer<'_, V> {
             let random = random.mix(u64::from(index));
             let ray = self.world.aim(point, triangle, light, random);
             let here = |(_, start): &(Ray, Vec3)| {
-                std::ptr::eq(self.tree.lie_at(*start), self.cells[place])
+                std::ptr::eq(self.tree.packed_at(*start), self.packed[place])
             };
             if let Some((ray, _)) = ray.filter(here) {
                 (points[len], aimed[len]) = (point, ray);

@@ -6,8 +6,8 @@ use glam::Vec3;
 use lie_geom::{RandomKey, Ray};
 
 use crate::{
-    GROUP, Lie, LieTree, LightEvidence, Observation, Occluder, Outcome, Proof, ShadowRay, Standing,
-    TriangleSet, Visibility,
+    GROUP, Lie, LieTree, LightEvidence, Observation, Occluder, Outcome, PackedLie, Proof,
+    ShadowRay, Standing, TriangleSet, Visibility,
 };
 
 /// Known occluders that are asked before the scene: the first that were found are those
@@ -33,7 +33,9 @@ pub struct Observer<'a, V: Visibility> {
     trust: u32,
     typical: f32,
     /// The cells that the points lie in.
-    cells: Vec<&'a Lie>,
+    cells: Vec<Lie>,
+    /// The same as the tree holds them.
+    packed: Vec<&'a PackedLie>,
     /// Each point's cell.
     places: Vec<u32>,
     observations: Vec<Observation>,
@@ -78,16 +80,17 @@ impl<'a, V: Visibility> Observer<'a, V> {
         random: RandomKey,
         world: &'a V,
     ) -> Self {
-        let mut cells: Vec<&Lie> = vec![];
+        let mut packed: Vec<&PackedLie> = vec![];
         let place = |&point: &Vec3| {
-            let lie = tree.lie_at(point);
-            let known = cells.iter().rposition(|cell| std::ptr::eq(*cell, lie));
+            let leaf = tree.packed_at(point);
+            let known = packed.iter().rposition(|other| std::ptr::eq(*other, leaf));
             known.unwrap_or_else(|| {
-                cells.push(lie);
-                cells.len() - 1
+                packed.push(leaf);
+                packed.len() - 1
             }) as u32
         };
         let places = points.iter().map(place).collect();
+        let cells: Vec<Lie> = packed.iter().map(|leaf| leaf.unpack()).collect();
         Self {
             world,
             tree,
@@ -100,6 +103,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
                 ..Scratch::default()
             },
             cells,
+            packed,
             places,
             observations: points.iter().map(|&point| Observation::at(point)).collect(),
             random,
@@ -149,7 +153,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
 
     /// What is certain of how a light reaches a point; `None` if nobody has tried to settle it.
     #[must_use]
-    pub fn proof(&self, point: u32, light: u32) -> Option<Proof<&'a TriangleSet>> {
+    pub fn proof(&self, point: u32, light: u32) -> Option<Proof<&TriangleSet>> {
         let place = self.places[point as usize] as usize;
         self.cells[place].region().proof(light)
     }
@@ -157,7 +161,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
     /// Counts for every point the lights that are settled there, and need no rays; and those that
     /// could not be settled and get none, since `passes_over` says so.
     pub fn count_settled(&mut self, passes_over: impl Fn(u32) -> bool) {
-        let counts = |cell: &&Lie| {
+        let counts = |cell: &Lie| {
             let (mut settled, mut passed_over) = (0, 0);
             for (light, proof) in cell.region().lights() {
                 match proof {
@@ -208,7 +212,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
     /// through is left open. `start` is the first ray's index.
     fn ask_known(&mut self, light: u32, start: usize, chunk: &[ShadowRay]) {
         let place = self.place(&chunk[0]);
-        let listed = self.listed(place, light);
+        let listed = listed(&self.cells[place], light);
         let gathered = gather(self.world, chunk.iter());
         let mut open = (1u32 << chunk.len()) - 1;
         let first = listed.iter().take(ASKED_FIRST);
@@ -252,7 +256,7 @@ impl<'a, V: Visibility> Observer<'a, V> {
     /// that was known, or has just been found, blocks it as well.
     fn credit(&mut self, light: u32, ray: &ShadowRay, blocker: u32) -> Fate {
         let place = self.place(ray);
-        let listed = self.listed(place, light);
+        let listed = listed(&self.cells[place], light);
         let fate = |triangle, is_listed| Fate {
             blocker: Some(triangle),
             is_listed,
@@ -285,12 +289,6 @@ impl<'a, V: Visibility> Observer<'a, V> {
     fn is_past_listing(&self, place: usize, light: u32) -> bool {
         let evidence = self.cells[place].evidence(light);
         evidence.is_some_and(LightEvidence::is_past_listing)
-    }
-
-    /// What the tree has in the way of a light.
-    fn listed(&self, place: usize, light: u32) -> &'a [Occluder] {
-        let evidence = self.cells[place].evidence(light);
-        evidence.map_or(&[], |evidence| &evidence.occluders)
     }
 
     /// Adds what became of the rays to the points' observations.
@@ -331,6 +329,12 @@ impl<'a, V: Visibility> Observer<'a, V> {
             }
         }
     }
+}
+
+/// What is known to be in the way of a light.
+fn listed(cell: &Lie, light: u32) -> &[Occluder] {
+    let evidence = cell.evidence(light);
+    evidence.map_or(&[], |evidence| &evidence.occluders)
 }
 
 /// Adds one outcome for each different fate.

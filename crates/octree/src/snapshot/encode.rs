@@ -1,7 +1,11 @@
 use std::sync::Arc;
 
-use super::{bytes::Writer, flag, tag, verdict};
-use crate::{Lie, LieSettings, LieTree, LightEvidence, Mask, Occluder, Proof, Region, tree::Node};
+use super::tag;
+use crate::{
+    LieSettings, LieTree,
+    packed_lie::{PackedLie, Writer},
+    tree::Node,
+};
 
 /// A tree as bytes.
 pub(super) fn encode(tree: &LieTree) -> Vec<u8> {
@@ -31,11 +35,11 @@ fn settings(out: &mut Writer, settings: &LieSettings) {
     out.float(settings.masking);
 }
 
-fn node(out: &mut Writer, from: &Node<Lie>) {
+fn node(out: &mut Writer, from: &Node<PackedLie>) {
     match from {
         Node::Leaf(lie) => {
             out.byte(tag::LEAF);
-            leaf(out, lie);
+            out.bytes(lie.as_bytes());
         }
         Node::Inner(children) => {
             out.byte(tag::INNER);
@@ -49,90 +53,5 @@ fn node(out: &mut Writer, from: &Node<Lie>) {
                 }
             }
         }
-    }
-}
-
-fn leaf(out: &mut Writer, lie: &Lie) {
-    out.number(lie.samples);
-    out.number(lie.dark);
-    out.number(lie.version);
-    match lie.shown.least {
-        None => out.byte(0),
-        Some(least) => {
-            out.byte(1);
-            out.float(least);
-        }
-    }
-    region(out, &lie.region);
-    out.number(lie.lights.len() as u64);
-    let mut next = 0;
-    for entry in &lie.lights {
-        out.number(entry.light - next);
-        next = entry.light + 1;
-        evidence(out, entry);
-    }
-}
-
-fn region(out: &mut Writer, region: &Region) {
-    if *region == Region::default() {
-        out.byte(0);
-        return;
-    }
-    out.byte(1);
-    out.vector(region.bounds.min);
-    out.vector(region.bounds.max);
-    out.number(region.len() as u64);
-    let mut next = 0;
-    for (light, proof) in region.lights() {
-        let skipped = u64::from(light - next) << verdict::BITS;
-        next = light + 1;
-        match proof {
-            Proof::Unoccluded => out.number(skipped | verdict::UNOCCLUDED),
-            Proof::Hidden => out.number(skipped | verdict::HIDDEN),
-            Proof::Open => out.number(skipped | verdict::OPEN),
-            Proof::Behind(list) => {
-                out.number(skipped | verdict::BEHIND);
-                out.number(list.len() as u64);
-                let mut before = 0;
-                for triangle in list.iter() {
-                    out.difference(before, triangle, false);
-                    before = triangle;
-                }
-            }
-        }
-    }
-}
-
-fn evidence(out: &mut Writer, entry: &LightEvidence) {
-    let dark = entry.most.to_bits() | entry.withheld.to_bits() == 0;
-    let flags = [
-        (entry.inherited, flag::INHERITED),
-        (entry.crowded, flag::CROWDED),
-        (entry.mask == Some(Mask::LeftOut), flag::LEFT_OUT),
-        (entry.mask == Some(Mask::Whole), flag::WHOLE),
-        (!dark, flag::LUMINANCES),
-        (!entry.occluders.is_empty(), flag::OCCLUDERS),
-    ];
-    let set = flags.iter().filter(|(is_set, _)| *is_set);
-    out.byte(set.fold(0, |flags, (_, flag)| flags | flag));
-    out.number(entry.clear);
-    out.number(entry.blocked);
-    out.number(entry.agreed);
-    out.byte(entry.importance);
-    if !dark {
-        out.float(entry.most);
-        out.float(entry.withheld);
-    }
-    if !entry.occluders.is_empty() {
-        occluders(out, &entry.occluders);
-    }
-}
-
-fn occluders(out: &mut Writer, list: &[Occluder]) {
-    out.number(list.len() as u64);
-    let mut before = 0;
-    for occluder in list {
-        out.difference(before, occluder.triangle(), occluder.is_confirmed());
-        before = occluder.triangle();
     }
 }

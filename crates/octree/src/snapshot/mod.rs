@@ -1,20 +1,20 @@
 //! A tree with all that is known of it as bytes, so that construction can go on from there.
 //!
 //! Numbers are of variable length (LEB128) or, where they are floats, little-endian. First
-//! the settings, the cube and the counts, then the nodes, parents before their children. What
+//! the settings, the cube and the counts, then the nodes, parents before their children, leaves as
+//! they are in memory ([`crate::PackedLie`]). What
 //! is shared in memory, parts of one cell that nobody has sampled, is written once.
 
-mod bytes;
 mod decode;
 mod encode;
 
 use lie_geom::Aabb;
 
-use crate::{LieSettings, LieTree};
+use crate::{LieSettings, LieTree, packed_lie::BytesError};
 
 /// Layout of the bytes and meaning of what they hold; counts up with every change to either,
 /// so also when evidence or proofs come to mean something else.
-pub const TREE_FORMAT: u32 = 1;
+pub const TREE_FORMAT: u32 = 2;
 
 /// What a tree must fit to be taken over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +54,15 @@ pub enum TreeError {
     Malformed(&'static str),
 }
 
+impl From<BytesError> for TreeError {
+    fn from(error: BytesError) -> Self {
+        match error {
+            BytesError::End => Self::End,
+            BytesError::Malformed(what) => Self::Malformed(what),
+        }
+    }
+}
+
 impl LieTree {
     /// Everything that is known, as bytes.
     #[must_use]
@@ -79,28 +88,6 @@ mod tag {
     pub(super) const INNER: u8 = 1;
     /// The same leaf as the sibling `tag - SAME`.
     pub(super) const SAME: u8 = 2;
-}
-
-/// What leads the evidence of a light.
-mod flag {
-    pub(super) const INHERITED: u8 = 1;
-    pub(super) const CROWDED: u8 = 2;
-    pub(super) const LEFT_OUT: u8 = 4;
-    pub(super) const WHOLE: u8 = 8;
-    /// Luminances follow: they are not both 0.
-    pub(super) const LUMINANCES: u8 = 16;
-    /// A list of occluders follows.
-    pub(super) const OCCLUDERS: u8 = 32;
-    pub(super) const ALL: u8 = 63;
-}
-
-/// What is certain of a light, in two bits.
-mod verdict {
-    pub(super) const UNOCCLUDED: u64 = 0;
-    pub(super) const HIDDEN: u64 = 1;
-    pub(super) const BEHIND: u64 = 2;
-    pub(super) const OPEN: u64 = 3;
-    pub(super) const BITS: u32 = 2;
 }
 
 #[cfg(test)]

@@ -76,7 +76,8 @@ fn plant(builder: &mut Builder) -> usize {
         if builder.tree.key_at(bounds.center()) != key {
             continue;
         }
-        let region = builder.tree.lie_at(bounds.center()).region();
+        let lie = builder.tree.lie_at(bounds.center());
+        let region = lie.region();
         let wrong = region.lights().map(|(light, proof)| {
             let proof = match proof {
                 Proof::Hidden => Proof::Unoccluded,

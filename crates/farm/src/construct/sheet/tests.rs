@@ -145,8 +145,8 @@ fn new_parts_of_a_moving_view_come_first() {
     builder.sample(&[first], u64::from(SIZE.x * SIZE.y), |_| {});
     let moved = view(&world, 1.5);
     let is_new = |place: &&Place| {
-        let region = builder.tree().lie_at(place.origin).region();
-        !region.bounds.contains(place.origin)
+        let lie = builder.tree().lie_at(place.origin);
+        !lie.region().bounds.contains(place.origin)
     };
     let doubt = |cluster: &Cluster| {
         let new = cluster.places.iter().filter(is_new).count();
