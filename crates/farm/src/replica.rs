@@ -150,13 +150,9 @@ impl LieLookup for PublishedLies {
         self.holding(point, self.0.leaf_at(point))
     }
 
-    fn for_each_cell<'a>(
-        &'a self,
-        points: &mut dyn Iterator<Item = Vec3>,
-        found: &mut dyn FnMut(&'a LieCell),
-    ) {
-        self.0
-            .for_each_leaf_at(points, |point, cell| found(self.holding(point, cell)));
+    fn cells<'a>(&'a self, points: &[Vec3], found: &mut Vec<&'a LieCell>) {
+        let each = |point, cell| found.push(self.holding(point, cell));
+        self.0.for_each_leaf_at(points.iter().copied(), each);
     }
 }
 

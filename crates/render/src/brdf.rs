@@ -29,7 +29,13 @@ pub(crate) struct BrdfParts {
 
 impl Brdf {
     /// Smallest GGX α: perceptual roughness 0.03. A perfect mirror shows no point light.
-    const MIN_ALPHA: f32 = 1.0e-3;
+    pub(crate) const MIN_ALPHA: f32 = 1.0e-3;
+
+    /// Smallest cosine to the eye.
+    pub(crate) const MIN_COSINE: f32 = 1.0e-4;
+
+    /// GGX α below which a surface is smooth: perceptual roughness 0.5.
+    pub(crate) const SMOOTH_ALPHA: f32 = 0.25;
 
     /// The reflection at a surface.
     #[must_use]
@@ -44,7 +50,7 @@ impl Brdf {
             f0: Vec3::splat(0.04 * specular).lerp(surface.base_color, metallic),
             f90: specular + (1.0 - specular) * metallic,
             alpha: (surface.roughness * surface.roughness).max(Self::MIN_ALPHA),
-            cos_o: surface.shading_normal.dot(surface.wo).max(1.0e-4),
+            cos_o: surface.shading_normal.dot(surface.wo).max(Self::MIN_COSINE),
         }
     }
 
@@ -98,8 +104,7 @@ impl Brdf {
     #[must_use]
     #[inline]
     pub fn is_smooth(&self) -> bool {
-        const ALPHA: f32 = 0.25;
-        self.alpha < ALPHA && !self.is_matt()
+        self.alpha < Self::SMOOTH_ALPHA && !self.is_matt()
     }
 
     /// Whether it is pure Lambert.

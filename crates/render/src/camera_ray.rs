@@ -15,6 +15,12 @@ impl FrameSettings {
         pixel: UVec2,
         sample: u32,
     ) -> (Ray, RandomKey) {
+        let (place, key) = self.film_place(pixel, sample);
+        (film.ray(place), key)
+    }
+
+    /// The place on the film that a pixel's sample goes through, and the key of its random numbers.
+    pub(crate) fn film_place(&self, pixel: UVec2, sample: u32) -> (Vec2, RandomKey) {
         let key = RandomKey::new(self.seed)
             .mix(u64::from(pixel.x) | u64::from(pixel.y) << 32)
             .mix(u64::from(sample));
@@ -24,6 +30,6 @@ impl FrameSettings {
         } else {
             stratified(strata(count), sample, key.uniform2(0))
         };
-        (film.ray(pixel.as_vec2() + offset), key.mix(1))
+        (pixel.as_vec2() + offset, key.mix(1))
     }
 }

@@ -58,14 +58,8 @@ pub trait LieLookup: Sync {
     /// not have are passed over.
     fn cell(&self, point: Vec3) -> &LieCell;
 
-    /// [`Self::cell`] of many points; neighbours should follow each other.
-    fn for_each_cell<'a>(
-        &'a self,
-        points: &mut dyn Iterator<Item = Vec3>,
-        found: &mut dyn FnMut(&'a LieCell),
-    ) {
-        for point in points {
-            found(self.cell(point));
-        }
+    /// Adds [`Self::cell`] of many points to `found`; neighbours should follow each other.
+    fn cells<'a>(&'a self, points: &[Vec3], found: &mut Vec<&'a LieCell>) {
+        found.extend(points.iter().map(|&point| self.cell(point)));
     }
 }

@@ -11,7 +11,6 @@ use crate::{
     light_rays::is_simple,
     occluder_lists::OpenLists,
     point_lanes::{Lanes, PointLanes, RadianceLanes, carrying},
-    shading_point::ShadingPoint,
     shadow_cache::ShadowCache,
 };
 
@@ -41,10 +40,11 @@ pub(crate) struct ListScratch {
 /// Up to sixteen shading points of one cell, or neighbours where there are no cells.
 pub(crate) struct PointGroup<'a> {
     cell: Option<&'a LieCell>,
-    points: PointLanes,
+    pub(crate) points: PointLanes,
     /// Each lane's pixel.
-    pixels: [usize; PACKET],
-    len: usize,
+    pub(crate) pixels: [usize; PACKET],
+    /// The lanes that hold a point: bit `i` for lane `i`.
+    pub(crate) lanes: u32,
 }
 
 /// An area light as a group sees it.
@@ -59,42 +59,36 @@ struct SeenArea<'a> {
 }
 
 impl<'a> PointGroup<'a> {
-    /// Groups points. `order` is for its use, and spares an allocation.
-    pub(crate) fn gather(
-        points: &[ShadingPoint<'a>],
-        order: &mut Vec<(usize, u32)>,
-        groups: &mut Vec<Self>,
-    ) {
-        groups.clear();
-        order.clear();
-        let address =
-            |cell: Option<&LieCell>| cell.map_or(0, |cell| std::ptr::from_ref(cell).addr());
-        order.extend(
-            (0..)
-                .zip(points)
-                .map(|(index, point)| (address(point.cell), index)),
-        );
-        // Stable, and each point's light does not depend on who shares its group.
-        if points.iter().any(|point| point.cell.is_some()) {
-            order.sort_unstable();
+    /// No points.
+    pub(crate) fn new() -> Self {
+        Self {
+            cell: None,
+            points: PointLanes::new(),
+            pixels: [0; PACKET],
+            lanes: 0,
         }
-        for run in order.chunk_by(|a, b| a.0 == b.0) {
-            for chunk in run.chunks(PACKET) {
-                let mut group = Self {
-                    cell: points[chunk[0].1 as usize].cell,
-                    points: PointLanes::new(),
-                    pixels: [0; PACKET],
-                    len: chunk.len(),
-                };
-                for (lane, (_, index)) in chunk.iter().enumerate() {
-                    let point = &points[*index as usize];
-                    group
-                        .points
-                        .set(lane, &point.surface, &point.brdf, point.key);
-                    group.pixels[lane] = point.pixel;
-                }
-                groups.push(group);
-            }
+    }
+
+    /// The lanes that hold a point.
+    pub(crate) fn lanes(&self) -> impl Iterator<Item = usize> + use<> {
+        lanes_of(self.lanes)
+    }
+
+    /// Where a lane's shadow rays start.
+    pub(crate) fn origin(&self, lane: usize) -> Vec3 {
+        let origin = &self.points.origin;
+        Vec3::new(origin[0][lane], origin[1][lane], origin[2][lane])
+    }
+
+    /// Makes these points of one cell, up to sixteen, by block and lane.
+    pub(crate) fn gather(&mut self, cell: &'a LieCell, blocks: &[Self], places: &[(u32, u32)]) {
+        self.cell = Some(cell);
+        self.lanes = (1 << places.len()) - 1;
+        self.points.clear(places.len());
+        for (lane, &(block, from)) in places.iter().enumerate() {
+            let block = &blocks[block as usize];
+            self.points.copy(lane, &block.points, from as usize);
+            self.pixels[lane] = block.pixels[from as usize];
         }
     }
 
@@ -212,7 +206,7 @@ impl<'a> PointGroup<'a> {
     fn see<'l>(&self, index: u32, form: AreaForm<'l>) -> SeenArea<'l> {
         let outlines = form.outlines;
         let irradiance = outlines.map(|outlines| outlines.irradiances(&self.points));
-        let all = (1 << self.len) - 1;
+        let all = self.lanes;
         SeenArea {
             index,
             form,
@@ -338,7 +332,7 @@ impl<'a> PointGroup<'a> {
     ) {
         let at =
             |axes: &[Lanes; 3], lane: usize| Vec3::new(axes[0][lane], axes[1][lane], axes[2][lane]);
-        for lane in (0..self.len).filter(|lane| lanes >> lane & 1 == 1) {
+        for lane in lanes_of(self.lanes & lanes) {
             let ray = LightRay {
                 light,
                 ray: Ray::segment(at(&self.points.origin, lane), at(&sample.target, lane)),
@@ -353,7 +347,8 @@ impl<'a> PointGroup<'a> {
     /// The pixels' sums so far.
     fn take(&self, sums: &[Vec3]) -> RadianceLanes {
         let mut total = [[0.0; PACKET]; 3];
-        for (lane, &pixel) in self.pixels[..self.len].iter().enumerate() {
+        for lane in self.lanes() {
+            let pixel = self.pixels[lane];
             for channel in 0..3 {
                 total[channel][lane] = sums[pixel][channel];
             }
@@ -362,8 +357,8 @@ impl<'a> PointGroup<'a> {
     }
 
     fn give(&self, total: &RadianceLanes, sums: &mut [Vec3]) {
-        for (lane, &pixel) in self.pixels[..self.len].iter().enumerate() {
-            sums[pixel] = Vec3::new(total[0][lane], total[1][lane], total[2][lane]);
+        for lane in self.lanes() {
+            sums[self.pixels[lane]] = Vec3::new(total[0][lane], total[1][lane], total[2][lane]);
         }
     }
 }
@@ -380,6 +375,18 @@ fn add(total: &mut RadianceLanes, radiance: &RadianceLanes, lanes: u32) {
             total[channel][lane] += if given { radiance[channel][lane] } else { 0.0 };
         }
     }
+}
+
+/// The lanes of a set of bits.
+fn lanes_of(bits: u32) -> impl Iterator<Item = usize> {
+    let mut left = bits;
+    std::iter::from_fn(move || {
+        let lane = left.trailing_zeros() as usize;
+        (left != 0).then(|| {
+            left &= left - 1;
+            lane
+        })
+    })
 }
 
 /// The lanes that are above zero.

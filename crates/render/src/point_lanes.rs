@@ -1,11 +1,14 @@
 //! Surface points in lanes, and how they reflect. Each lane does what [`Brdf`] does for one
 //! point, operation by operation, so the results are the same bits.
 
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
+use glam::Vec3;
 use lie_accel::PACKET;
 use lie_geom::{Aabb, RandomKey};
+#[cfg(test)]
 use lie_scene::Surface;
+use lie_scene::{Scene, SurfaceLanes};
 use multiversion::multiversion;
 
 use crate::Brdf;
@@ -69,7 +72,70 @@ impl PointLanes {
         }
     }
 
+    /// Makes these the points at some surfaces; lanes without one have nothing.
+    pub(crate) fn look(
+        &mut self,
+        scene: &Scene,
+        surfaces: &SurfaceLanes,
+        keys: &[RandomKey; PACKET],
+    ) {
+        let mut specular = [0.0; PACKET];
+        self.origins = Aabb::EMPTY;
+        for lane in (0..PACKET).filter(|lane| surfaces.hits >> lane & 1 == 1) {
+            specular[lane] = scene.materials[surfaces.material[lane] as usize].specular;
+            let origin = &surfaces.shadow_origin;
+            let origin = Vec3::new(origin[0][lane], origin[1][lane], origin[2][lane]);
+            self.origins = self.origins.union(Aabb::around([origin]));
+        }
+        self.position = surfaces.position;
+        self.origin = surfaces.shadow_origin;
+        self.normal = surfaces.shading_normal;
+        self.geometric_normal = surfaces.geometric_normal;
+        self.wo = surfaces.wo;
+        self.keys = *keys;
+        reflect_as(self, surfaces, &specular);
+    }
+
+    /// Has nothing in the lanes from `first` on, and forgets what it knew of all lanes together.
+    pub(crate) fn clear(&mut self, first: usize) {
+        for axis in 0..3 {
+            self.normal[axis][first..].fill(0.0);
+            self.geometric_normal[axis][first..].fill(0.0);
+        }
+        self.origins = Aabb::EMPTY;
+        (self.is_glossy, self.smooth, self.matt) = (false, 0, 0);
+    }
+
+    /// Puts a point of another group into a lane.
+    #[inline]
+    pub(crate) fn copy(&mut self, lane: usize, from: &Self, point: usize) {
+        let axes = |to: &mut [Lanes; 3], from: &[Lanes; 3]| {
+            for axis in 0..3 {
+                to[axis][lane] = from[axis][point];
+            }
+        };
+        axes(&mut self.position, &from.position);
+        axes(&mut self.origin, &from.origin);
+        axes(&mut self.normal, &from.normal);
+        axes(&mut self.geometric_normal, &from.geometric_normal);
+        axes(&mut self.wo, &from.wo);
+        axes(&mut self.diffuse, &from.diffuse);
+        axes(&mut self.f0, &from.f0);
+        self.f90[lane] = from.f90[point];
+        self.alpha2[lane] = from.alpha2[point];
+        self.cos_o[lane] = from.cos_o[point];
+        self.root_o[lane] = from.root_o[point];
+        self.smooth |= (from.smooth >> point & 1) << lane;
+        self.matt |= (from.matt >> point & 1) << lane;
+        self.is_glossy |= from.matt >> point & 1 == 0;
+        self.keys[lane] = from.keys[point];
+        let origin = &self.origin;
+        let origin = Vec3::new(origin[0][lane], origin[1][lane], origin[2][lane]);
+        self.origins = self.origins.union(Aabb::around([origin]));
+    }
+
     /// Puts a point into a lane.
+    #[cfg(test)]
     pub(crate) fn set(&mut self, lane: usize, surface: &Surface, brdf: &Brdf, key: RandomKey) {
         self.origins = self.origins.union(Aabb::around([surface.shadow_origin]));
         for axis in 0..3 {
@@ -91,6 +157,45 @@ impl PointLanes {
         self.matt |= u32::from(brdf.is_matt()) << lane;
         self.keys[lane] = key;
     }
+}
+
+/// Works out how surfaces reflect, as [`Brdf::new`] does.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+fn reflect_as(points: &mut PointLanes, surfaces: &SurfaceLanes, specular: &Lanes) {
+    let (mut matt, mut smooth) = ([0u32; PACKET], [0u32; PACKET]);
+    for lane in 0..PACKET {
+        let (metallic, specular) = (surfaces.metallic[lane], specular[lane]);
+        let mut is_matt = true;
+        for channel in 0..3 {
+            let color = surfaces.base_color[channel][lane];
+            let f0 = 0.04 * specular * (1.0 - metallic) + color * metallic;
+            points.diffuse[channel][lane] = color * (1.0 - metallic) * FRAC_1_PI;
+            points.f0[channel][lane] = f0;
+            is_matt &= f0 == 0.0;
+        }
+        let f90 = specular + (1.0 - specular) * metallic;
+        is_matt &= f90 == 0.0;
+        let roughness = surfaces.roughness[lane];
+        let alpha = larger(roughness * roughness, Brdf::MIN_ALPHA);
+        let (a2, cos_o) = (
+            alpha * alpha,
+            dot(points.at(&points.normal, lane), points.at(&points.wo, lane)),
+        );
+        let cos_o = larger(cos_o, Brdf::MIN_COSINE);
+        points.f90[lane] = f90;
+        points.alpha2[lane] = a2;
+        points.cos_o[lane] = cos_o;
+        points.root_o[lane] = (cos_o * cos_o * (1.0 - a2) + a2).sqrt();
+        matt[lane] = if is_matt { 1 << lane } else { 0 };
+        let is_smooth = (alpha < Brdf::SMOOTH_ALPHA) & !is_matt;
+        smooth[lane] = if is_smooth { 1 << lane } else { 0 };
+    }
+    points.matt = matt.iter().fold(0, |all, bit| all | bit) & surfaces.hits;
+    points.smooth = smooth.iter().fold(0, |all, bit| all | bit) & surfaces.hits;
+    points.is_glossy = points.matt != surfaces.hits;
 }
 
 /// How a point reflects light from one direction.
@@ -264,4 +369,80 @@ pub(crate) fn larger(a: f32, b: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::UVec2;
+    use lie_geom::Ray;
+    use lie_scene::{Gallery, gallery};
+
+    use super::*;
+    use crate::World;
+
+    #[test]
+    fn surfaces_reflect_in_lanes_as_they_do_one_by_one() {
+        let parameters = Gallery {
+            detail: 0.1,
+            ..Gallery::default()
+        };
+        let world = World::new(Arc::new(gallery(&parameters)));
+        let scene = world.scene();
+        let film = scene.cameras[0].film(UVec2::splat(64));
+        let mut looked = PointLanes::new();
+        let mut surfaces = SurfaceLanes::default();
+        let mut hits = 0;
+        for round in 0..100 {
+            let key = RandomKey::new(round);
+            let keys = std::array::from_fn(|lane| key.mix(lane as u64));
+            let places: [[f32; PACKET]; 2] = [0, 1]
+                .map(|axis| std::array::from_fn(|lane| key.uniform2(lane as u32)[axis] * 64.0));
+            let directions = film.directions(&places);
+            let rays: [Ray; PACKET] = std::array::from_fn(|lane| {
+                let direction = directions.map(|axis| axis[lane]);
+                Ray::new(film.eye(), Vec3::from(direction))
+            });
+            let found = rays.each_ref().map(|ray| world.accel().closest(ray));
+            scene.surfaces(&directions, &found, &mut surfaces);
+            looked.look(scene, &surfaces, &keys);
+            let mut set = PointLanes::new();
+            for lane in 0..PACKET {
+                if let Some(hit) = &found[lane] {
+                    let surface = scene.surface(&rays[lane], hit);
+                    set.set(lane, &surface, &Brdf::new(scene, &surface), keys[lane]);
+                    hits += 1;
+                }
+            }
+            let mut copied = PointLanes::new();
+            for lane in (0..PACKET).filter(|&lane| found[lane].is_some()) {
+                copied.copy(lane, &looked, lane);
+                for axes in [&looked, &copied] {
+                    assert_eq!(lane_of(axes, lane), lane_of(&set, lane));
+                }
+            }
+            let all =
+                |lanes: &PointLanes| (lanes.matt, lanes.smooth, lanes.is_glossy, lanes.origins);
+            assert_eq!((all(&looked), all(&copied)), (all(&set), all(&set)));
+        }
+        assert!(hits > 1000, "{hits}");
+    }
+
+    /// All that a lane holds.
+    fn lane_of(points: &PointLanes, lane: usize) -> (Vec<f32>, RandomKey) {
+        let axes = [
+            &points.position,
+            &points.origin,
+            &points.normal,
+            &points.geometric_normal,
+            &points.wo,
+            &points.diffuse,
+            &points.f0,
+        ];
+        let mut numbers: Vec<f32> = axes.iter().flat_map(|axes| points.at(axes, lane)).collect();
+        let single = [&points.f90, &points.alpha2, &points.cos_o, &points.root_o];
+        numbers.extend(single.map(|lanes| lanes[lane]));
+        (numbers, points.keys[lane])
+    }
 }

@@ -4,16 +4,18 @@ use std::{
 };
 
 use glam::{UVec2, Vec3};
-use lie_accel::{PACKET, RayPacket};
-use lie_geom::{RandomKey, Ray, sampling::strata};
-use lie_scene::{Camera, CameraFilm, RenderSettings};
+use lie_accel::PACKET;
+use lie_geom::sampling::strata;
+use lie_scene::{Camera, RenderSettings};
 
 use crate::{
-    Brdf, LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
+    LieLookup, LightRay, RadianceTile, RenderStats, Tile, World,
     area_lanes::AreaLanes,
+    cell_sort::CellSort,
+    first_hits::{FirstHits, SQUARE, SquareHits},
+    groups::Groups,
     one_by_one::OneByOne,
     point_group::{GroupWork, ListScratch, PointGroup},
-    shading_point::ShadingPoint,
     shadow_cache::ShadowCache,
 };
 
@@ -74,12 +76,19 @@ pub fn render_tile(
     let mut renderer = TileRenderer {
         world,
         lies,
-        film: camera.film(settings.size),
+        camera: FirstHits {
+            world,
+            film: camera.film(settings.size),
+            settings,
+            is_one_by_one: settings.ward.is_some()
+                || world.has_lobe_lights()
+                || !world.other_lights().is_empty(),
+        },
         settings,
         stats: RenderStats::default(),
-        points: vec![],
-        order: vec![],
-        groups: vec![],
+        hits: SquareHits::default(),
+        sorted: CellSort::default(),
+        groups: Groups::default(),
         exact: vec![],
         samples: vec![],
         scratch: ListScratch::default(),
@@ -111,22 +120,15 @@ pub fn render_tile(
     })
 }
 
-/// Pixels along a side of what is rendered together.
-const SQUARE: u32 = 64;
-
-/// Pixels along a side of a packet of camera rays.
-const BLOCK: u32 = 4;
-
 struct TileRenderer<'a> {
     world: &'a World,
     lies: Option<&'a dyn LieLookup>,
-    film: CameraFilm,
+    camera: FirstHits<'a>,
     settings: &'a FrameSettings,
     stats: RenderStats,
-    /// What a square's camera rays met.
-    points: Vec<ShadingPoint<'a>>,
-    order: Vec<(usize, u32)>,
-    groups: Vec<PointGroup<'a>>,
+    hits: SquareHits<'a>,
+    sorted: CellSort<'a>,
+    groups: Groups<'a>,
     exact: Vec<(usize, LightRay)>,
     samples: Vec<AreaLanes>,
     scratch: ListScratch,
@@ -145,15 +147,18 @@ impl TileRenderer<'_> {
                 return None;
             }
             let clock = Instant::now();
-            self.find_points(square, sample, &mut sums);
+            let rays = self.camera.find(square, sample, &mut self.hits, &mut sums);
+            self.stats.primary_rays += rays;
             let clock = lap(clock, &mut self.stats.visibility_ns);
+            self.groups.clear();
             self.find_cells();
-            if ward.is_none() {
-                PointGroup::gather(&self.points, &mut self.order, &mut self.groups);
-            }
+            let groups = match self.lies {
+                Some(_) => self.groups.as_slice(),
+                None => self.hits.blocks.as_slice(),
+            };
             let one_by_one = OneByOne {
                 world: self.world,
-                points: &self.points,
+                points: &self.hits.points,
                 strata,
                 cancelled: self.cancelled,
             };
@@ -167,14 +172,12 @@ impl TileRenderer<'_> {
                 samples: &mut self.samples,
             };
             if self.lies.is_some() {
-                self.groups
-                    .iter()
-                    .for_each(|group| group.unoccluded(&mut work));
+                groups.iter().for_each(|group| group.unoccluded(&mut work));
                 one_by_one.unoccluded(work.sums);
             }
             let clock = lap(clock, &mut work.stats.unoccluded_ns);
             if self.lies.is_some() {
-                for run in self.groups.chunk_by(PointGroup::shares_cell) {
+                for run in groups.chunk_by(PointGroup::shares_cell) {
                     PointGroup::partial(run, &mut work, &mut self.scratch);
                 }
                 let (rays, tests) = one_by_one.partial(&mut self.scratch.lists, work.sums);
@@ -185,7 +188,7 @@ impl TileRenderer<'_> {
             if let Some(threshold) = ward {
                 work.stats.shadow_rays += one_by_one.ward(threshold, work.sums)?;
             } else {
-                for group in &self.groups {
+                for group in groups {
                     if self.cancelled.load(Ordering::Relaxed) {
                         return None;
                     }
@@ -199,78 +202,29 @@ impl TileRenderer<'_> {
         Some(sums.into_iter().map(|sum| finite(sum * share)).collect())
     }
 
-    /// Primary visibility: packets of 4 × 4 pixels, in Z order, so that points that follow each
-    /// other are near each other. Emission and background are added at once.
-    fn find_points(&mut self, square: Tile, sample: u32, sums: &mut [Vec3]) {
-        self.points.clear();
-        for index in 0..(SQUARE / BLOCK) * (SQUARE / BLOCK) {
-            let start = BLOCK * UVec2::new(every_other_bit(index), every_other_bit(index >> 1));
-            if start.cmplt(square.size).all() {
-                self.find_block(square, start, sample, sums);
-            }
-        }
-    }
-
-    /// Primary visibility of up to 4 × 4 pixels of a square, from `start` on.
-    fn find_block(&mut self, square: Tile, start: UVec2, sample: u32, sums: &mut [Vec3]) {
-        let scene = self.world.scene();
-        let size = (square.size - start).min(UVec2::splat(BLOCK));
-        let mut rays = [Ray::new(Vec3::ZERO, Vec3::X); PACKET];
-        let mut pixels = [(0, RandomKey::new(0)); PACKET];
-        let count = (size.x * size.y) as usize;
-        for lane in 0..count {
-            let offset = UVec2::new(lane as u32 % size.x, lane as u32 / size.x);
-            let pixel = start + offset;
-            let place = square.origin + pixel;
-            let (ray, key) = self.settings.camera_ray(&self.film, place, sample);
-            rays[lane] = ray;
-            pixels[lane] = ((pixel.y * square.size.x + pixel.x) as usize, key);
-        }
-        let packet = RayPacket::new(&rays[..count]);
-        let hits = self.world.accel().closest_packet(&packet);
-        self.stats.primary_rays += count as u64;
-        for lane in 0..count {
-            let (pixel, key) = pixels[lane];
-            let Some(hit) = &hits[lane] else {
-                sums[pixel] += scene.background.radiance;
-                continue;
-            };
-            let surface = scene.surface(&rays[lane], hit);
-            sums[pixel] += self.world.emission(&surface);
-            self.points.push(ShadingPoint {
-                pixel,
-                key,
-                brdf: Brdf::new(scene, &surface),
-                surface,
-                cell: None,
-            });
-        }
-    }
-
-    /// The LIE of each point.
+    /// The LIE of each point, and points of one cell in groups of their own.
     fn find_cells(&mut self) {
-        let all_lights = self.world.scene().lights.len();
+        let blocks = self.hits.blocks.as_slice();
         let Some(lies) = self.lies else {
-            self.stats.evaluations += (self.points.len() * all_lights) as u64;
+            let points: usize = blocks.iter().map(|block| block.lanes().count()).sum();
+            let all_lights = self.world.scene().lights.len();
+            self.stats.evaluations += (points * all_lights) as u64;
             return;
         };
-        let mut cells = Vec::with_capacity(self.points.len());
-        let mut positions = self.points.iter().map(|point| point.surface.shadow_origin);
-        lies.for_each_cell(&mut positions, &mut |cell| cells.push(cell));
-        for (point, cell) in self.points.iter_mut().zip(cells) {
+        let sorted = &mut self.sorted;
+        sorted.find(lies, blocks);
+        for (cell, points) in sorted.cells() {
+            let (answered, traced) = (cell.answered(), cell.traced.len());
+            self.stats.trusted += (points.len() * answered) as u64;
+            self.stats.evaluations += (points.len() * (answered + traced)) as u64;
+            for places in points.chunks(PACKET) {
+                self.groups.push().gather(cell, blocks, places);
+            }
+        }
+        for (point, cell) in self.hits.points.iter_mut().zip(sorted.in_order()) {
             point.cell = Some(cell);
-            self.stats.trusted += cell.answered() as u64;
-            self.stats.evaluations += (cell.answered() + cell.traced.len()) as u64;
         }
     }
-}
-
-/// The bits at even places.
-fn every_other_bit(number: u32) -> u32 {
-    let bits = number & 0x5555;
-    let bits = (bits | bits >> 1) & 0x3333;
-    let bits = (bits | bits >> 2) & 0x0f0f;
-    (bits | bits >> 4) & 0x00ff
 }
 
 /// Adds the time since `clock` and starts anew.

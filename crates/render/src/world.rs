@@ -120,8 +120,14 @@ impl World {
 
     /// What a surface emits towards the eye, in W·sr⁻¹·m⁻².
     pub(crate) fn emission(&self, surface: &Surface) -> Vec3 {
-        let material = self.scene.material_at(surface);
-        if surface.front || material.double_sided {
+        self.emission_of(surface.material, surface.front)
+    }
+
+    /// The same of a material, seen from the front or not.
+    #[inline]
+    pub(crate) fn emission_of(&self, material: u32, front: bool) -> Vec3 {
+        let material = &self.scene.materials[material as usize];
+        if front || material.double_sided {
             material.emission
         } else {
             Vec3::ZERO

@@ -1,5 +1,11 @@
 use glam::{Quat, UVec2, Vec2, Vec3};
 use lie_geom::Ray;
+use multiversion::multiversion;
+
+use crate::{
+    SURFACE_LANES,
+    surface_lanes::{Lanes, unit_or},
+};
 
 /// A pinhole camera.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +51,9 @@ impl Camera {
     pub fn film(&self, size: UVec2) -> CameraFilm {
         CameraFilm {
             eye: self.eye,
-            orientation: self.orientation,
+            right: self.orientation * Vec3::X,
+            up: self.orientation * Vec3::Y,
+            back: self.orientation * Vec3::Z,
             half_height: (0.5 * self.vertical_fov).tan(),
             size: size.as_vec2(),
         }
@@ -72,7 +80,9 @@ impl Camera {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraFilm {
     eye: Vec3,
-    orientation: Quat,
+    right: Vec3,
+    up: Vec3,
+    back: Vec3,
     /// Of the film at distance 1.
     half_height: f32,
     size: Vec2,
@@ -85,9 +95,44 @@ impl CameraFilm {
     pub fn ray(&self, film: Vec2) -> Ray {
         let x = (2.0 * film.x - self.size.x) / self.size.y * self.half_height;
         let y = (self.size.y - 2.0 * film.y) / self.size.y * self.half_height;
-        let direction = self.orientation * Vec3::new(x, y, -1.0);
+        let direction = self.right * x + self.up * y - self.back;
         Ray::new(self.eye, direction.normalize_or(Vec3::NEG_Z))
     }
+
+    /// Where all rays start.
+    #[must_use]
+    pub fn eye(&self) -> Vec3 {
+        self.eye
+    }
+
+    /// The directions of [`Self::ray`] through sixteen points of the film, given by axis: the same bits.
+    #[must_use]
+    pub fn directions(&self, film: &[Lanes; 2]) -> [Lanes; 3] {
+        directions(self, film)
+    }
+}
+
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw+bmi1+bmi2+popcnt+lzcnt",
+    "x86_64+avx2+bmi1+bmi2+popcnt+lzcnt"
+))]
+fn directions(camera: &CameraFilm, film: &[Lanes; 2]) -> [Lanes; 3] {
+    let [right, up, back] = [camera.right, camera.up, camera.back].map(|axis| axis.to_array());
+    let mut directions = [[0.0; SURFACE_LANES]; 3];
+    for lane in 0..SURFACE_LANES {
+        let (width, height) = (camera.size.x, camera.size.y);
+        let x = (2.0 * film[0][lane] - width) / height * camera.half_height;
+        let y = (height - 2.0 * film[1][lane]) / height * camera.half_height;
+        let mut way = [0.0; 3];
+        for axis in 0..3 {
+            way[axis] = right[axis] * x + up[axis] * y - back[axis];
+        }
+        let way = unit_or(way, [0.0, 0.0, -1.0]);
+        for axis in 0..3 {
+            directions[axis][lane] = way[axis];
+        }
+    }
+    directions
 }
 
 /// The rotation that turns −z towards `forward` and keeps +y near `up`.
@@ -113,6 +158,19 @@ mod tests {
         assert!((middle.direction - Vec3::NEG_Z).length() < 1.0e-6);
         let corner = camera.ray(Vec2::ZERO, size).direction;
         assert!((corner / -corner.z - Vec3::new(-2.0, 1.0, -1.0)).length() < 1.0e-5);
+    }
+
+    #[test]
+    fn directions_are_those_of_the_rays() {
+        let camera = Camera::look_at("test", Vec3::Y, Vec3::new(3.0, 2.0, -5.0), Vec3::Y, 1.1);
+        let film = camera.film(UVec2::new(90, 70));
+        let place = |lane: usize| Vec2::new(5.7 * lane as f32, 70.0 - 4.1 * lane as f32);
+        let places = [0, 1].map(|axis| std::array::from_fn(|lane| place(lane)[axis]));
+        let directions = film.directions(&places);
+        for lane in 0..SURFACE_LANES {
+            let found = Vec3::from(directions.map(|axis| axis[lane]));
+            assert_eq!(found, film.ray(place(lane)).direction);
+        }
     }
 
     #[test]

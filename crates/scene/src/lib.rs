@@ -34,6 +34,7 @@ mod material;
 mod model;
 mod summary;
 mod surface;
+mod surface_lanes;
 mod texture;
 mod walkthrough;
 
@@ -50,5 +51,6 @@ pub use material::{AlphaMode, Material, TextureRef};
 pub use model::{Background, RenderSettings, Scene, SceneError};
 pub use summary::{LightSummary, MaterialCounts, Summary};
 pub use surface::Surface;
+pub use surface_lanes::{SURFACE_LANES, SurfaceLanes};
 pub use texture::{Texture, TextureError};
 pub use walkthrough::{KeyFrame, Walkthrough};

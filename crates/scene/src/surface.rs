@@ -1,4 +1,4 @@
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lie_geom::{Hit, Ray, offset_origin};
 use multiversion::multiversion;
 
@@ -41,6 +41,13 @@ struct Facet {
     front: bool,
     geometric_normal: Vec3,
     shadow_origin: Vec3,
+}
+
+/// What a material is made of at one place, textures applied.
+pub(crate) struct Appearance {
+    pub(crate) base_color: Vec3,
+    pub(crate) metallic: f32,
+    pub(crate) roughness: f32,
 }
 
 /// Rounding, square roots and interpolation are single instructions with wider vectors.
@@ -106,6 +113,29 @@ impl Scene {
         let material = &self.materials[index as usize];
         let uv =
             weights[0] * corners[0].uv + weights[1] * corners[1].uv + weights[2] * corners[2].uv;
+        let Appearance {
+            base_color,
+            metallic,
+            roughness,
+        } = self.appearance(material, uv);
+        Surface {
+            position,
+            shadow_origin,
+            wo,
+            geometric_normal,
+            shading_normal,
+            front,
+            triangle: hit.triangle,
+            material: index,
+            base_color,
+            metallic,
+            roughness,
+        }
+    }
+
+    /// A material at a place in its textures.
+    #[inline(always)]
+    pub(crate) fn appearance(&self, material: &Material, uv: Vec2) -> Appearance {
         let mut base_color = material.base_color;
         if let Some(reference) = material.base_color_texture {
             base_color *= self.textures[reference.texture as usize]
@@ -118,15 +148,7 @@ impl Scene {
             roughness *= texel.y;
             metallic *= texel.z;
         }
-        Surface {
-            position,
-            shadow_origin,
-            wo,
-            geometric_normal,
-            shading_normal,
-            front,
-            triangle: hit.triangle,
-            material: index,
+        Appearance {
             base_color,
             metallic,
             roughness,

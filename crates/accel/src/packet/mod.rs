@@ -60,12 +60,32 @@ impl RayPacket {
         packet
     }
 
+    /// Rays without end from one place, such as an eye, that is finite. Only the lanes whose bits
+    /// are set hit anything.
+    #[must_use]
+    #[inline(always)]
+    pub fn from_eye(apex: [f32; 3], directions: &[[f32; PACKET]; 3], lanes: u32) -> Self {
+        let mut t_max = [f32::NEG_INFINITY; PACKET];
+        for lane in 0..PACKET {
+            if lanes & (1 << lane) != 0 {
+                t_max[lane] = f32::INFINITY;
+            }
+        }
+        Self {
+            origin: everywhere(apex),
+            direction: *directions,
+            t_min: [0.0; PACKET],
+            t_max,
+            apex: Some(apex),
+        }
+    }
+
     /// The segments from one place, where a light is, to sixteen others
     /// ([`Ray::segment_from`]). Only the lanes whose bits are set hit anything.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn fan(apex: [f32; 3], ends: &[[f32; PACKET]; 3], lanes: u32) -> Self {
-        let origin = apex.map(|axis| [axis; PACKET]);
+        let origin = everywhere(apex);
         let mut packet = Self::between(&origin, ends, [1.0 - SHADOW_T_MAX, 1.0], lanes);
         packet.apex = Some(apex);
         packet
@@ -74,12 +94,12 @@ impl RayPacket {
     /// The segments between sixteen pairs of places ([`Ray::segment`]). Only the lanes whose
     /// bits are set hit anything.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn segments(origin: &[[f32; PACKET]; 3], target: &[[f32; PACKET]; 3], lanes: u32) -> Self {
         Self::between(origin, target, [0.0, SHADOW_T_MAX], lanes)
     }
 
-    #[inline]
+    #[inline(always)]
     fn between(start: &[Lanes; 3], end: &[Lanes; 3], t: [f32; 2], active: u32) -> Self {
         let mut packet = Self {
             origin: *start,
@@ -145,4 +165,10 @@ impl RayPacket {
     pub fn is_empty(&self) -> bool {
         self.t_max.iter().all(|&t_max| t_max == f32::NEG_INFINITY)
     }
+}
+
+/// One place in all lanes.
+#[inline(always)]
+fn everywhere([x, y, z]: [f32; 3]) -> [Lanes; 3] {
+    [[x; PACKET], [y; PACKET], [z; PACKET]]
 }

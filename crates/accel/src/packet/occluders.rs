@@ -170,8 +170,15 @@ fn look_from<S: Simd>(
         let corner: [Wide<S>; 3] = load_axes(simd, &block.corners[0]);
         let normal = load_axes(simd, &block.normal);
         let offset = plane_offset(corner, normal, splat_axes(simd, apex));
+        // Loops: arrays' `map` would be compiled apart, without the vector unit.
+        let mut stored = [[[0.0; PACKET]; 3]; 3];
+        for edge in 0..3 {
+            for axis in 0..3 {
+                stored[edge][axis] = planes[edge][axis].into();
+            }
+        }
         seen.push(FanPart {
-            planes: planes.map(|plane| plane.map(Lanes::from)),
+            planes: stored,
             normal: block.normal,
             offset: offset.into(),
             indices: block.indices,
