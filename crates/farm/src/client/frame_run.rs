@@ -176,6 +176,7 @@ impl<'a> FrameRun<'a> {
     }
 
     fn take(&mut self, id: ShaderId, done: &TileDone) {
+        let clock = Instant::now();
         let tile = match self.unpack(done) {
             Ok(tile) => tile,
             Err(problem) => return self.expel(id, &problem),
@@ -192,6 +193,7 @@ impl<'a> FrameRun<'a> {
         if let Some((_, tiles)) = self.links.get_mut(&id) {
             *tiles += 1;
         }
+        self.stats.unpack_ms += milliseconds(clock.elapsed());
         self.count(done);
     }
 
@@ -218,8 +220,11 @@ impl<'a> FrameRun<'a> {
         stats.lie_version = stats.lie_version.min(done.report.lie_version);
         stats.lie_version_max = stats.lie_version_max.max(done.report.lie_version);
         stats.pixel_bytes += done.pixels.len() as u64;
-        stats.queued_ms += cost.queued_ns as f64 * 1.0e-6;
-        stats.render_ms += cost.render_ns as f64 * 1.0e-6;
+        let ms = |nanoseconds: u64| nanoseconds as f64 * 1.0e-6;
+        stats.queued_ms += ms(cost.queued_ns);
+        stats.idle_ms += ms(cost.idle_ns);
+        stats.render_ms += ms(cost.render_ns);
+        stats.pack_ms += ms(cost.pack_ns);
         stats.render += RenderStats {
             visibility_ns: cost.visibility_ns,
             unoccluded_ns: cost.unoccluded_ns,

@@ -125,6 +125,7 @@ impl Session<'_> {
         let broken = |error: convert::ConvertError| LinkError::Rules(error.to_string());
         self.frame = Some(Arc::new(FrameWork {
             number: begin.frame,
+            begun: Instant::now(),
             stage: self.stage.clone(),
             camera: convert::camera(&begin.camera).map_err(broken)?,
             settings: convert::frame_settings(begin).map_err(broken)?,
