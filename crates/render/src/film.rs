@@ -1,6 +1,6 @@
 use glam::{UVec2, Vec3};
 
-use crate::{RadianceTile, Tile, TileError};
+use crate::{RadianceTile, Tile, TileError, tile::first_impossible};
 
 /// A frame's pixels, as linear RGB radiance in W·sr⁻¹·m⁻², row 0 on top.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +80,7 @@ impl Film {
             let first = (start.y + row) * self.size.x as usize + start.x;
             let pixels = &mut self.radiance[first..first + width];
             fill(row * width, pixels);
-            if let Some(pixel) = crate::tile::first_impossible(pixels) {
+            if let Some(pixel) = first_impossible(pixels) {
                 return Err(TileError::Value(row * width + pixel));
             }
         }

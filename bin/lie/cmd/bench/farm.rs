@@ -6,9 +6,8 @@ use lie_bench::{
     Stage,
     farm::{self, FarmConfig, FarmRow},
 };
-use lie_farm::View;
 use lie_farm::{
-    PublishedLies,
+    PublishedLies, View,
     client::{Client, ClientConfig, FrameRequest},
     constructor::{self, ConstructorConfig, Freeze, Prepared},
     launch::{self, ConstructorSource, LaunchConfig},
@@ -115,6 +114,7 @@ impl Farm {
         let listener = runtime.block_on(network::bind("127.0.0.1:0", Exposure::Loopback))?;
         let address = listener.local_addr()?.to_string();
         let shutdown = CancellationToken::new();
+        // If it ends early, the frames say so: no shader comes.
         runtime.spawn(constructor::run(
             config,
             prepared,

@@ -275,3 +275,6 @@ impl<'a> FrameRun<'a> {
 fn milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1.0e3
 }
+
+#[cfg(test)]
+mod tests;
