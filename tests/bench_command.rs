@@ -445,6 +445,30 @@ fn growth_makes_its_own_scenes() {
 }
 
 #[test]
+fn a_farm_renders_what_one_process_does() {
+    let keys = "scene threads local_ms farm_ms ratio ratio_min ratio_max idle_ms render_ms pack_ms \
+                rest_ms unpack_ms latency_ms pixel_bytes differing trusted_fraction";
+    let common = ["--repeat", "2", "--samples", "20000", "--threads"];
+    let half = json(bench("farm", &[&common[..], &["1,2"]].concat()));
+    check_rows(&half["rows"], keys, &[]);
+    let float = [&common[..], &["1", "--precision", "float", "--compress"]].concat();
+    let float = json(bench("farm", &float));
+    let rows = |written: &Value| written["rows"].as_array().unwrap().clone();
+    let (half, float) = (rows(&half), rows(&float));
+    assert_eq!((half.len(), float.len()), (2, 1));
+    for row in half.iter().chain(&float) {
+        assert_eq!(row["differing"], 0.0, "{row}");
+        assert!(row["trusted_fraction"].as_f64().unwrap() > 0.0, "{row}");
+        let time = |key: &str| row[key].as_f64().unwrap();
+        assert!(time("ratio_min") <= time("ratio") && time("ratio") <= time("ratio_max"));
+        assert!(time("render_ms") > 0.0 && time("latency_ms") <= time("farm_ms_max"));
+    }
+    assert_eq!(half[1]["threads"], 2);
+    assert_eq!(half[0]["pixel_bytes"], 64 * 48 * 3 * 2);
+    assert!(float[0]["pixel_bytes"].as_u64().unwrap() < 64 * 48 * 3 * 4);
+}
+
+#[test]
 fn wrong_arguments_end_in_2_and_say_what_was_expected() {
     for (command, arguments, expected) in [
         ("table1", &["no/such/scene"][..], "no/such/scene"),
@@ -486,6 +510,9 @@ fn wrong_arguments_end_in_2_and_say_what_was_expected() {
             &["--ablation", "--modes", "trust"],
             "cannot be used with",
         ),
+        ("farm", &["--repeat", "0"], "--repeat"),
+        ("farm", &["--precision", "double"], "half, float"),
+        ("farm", &["no/such/scene"], "no/such/scene"),
         ("report", &["--no-such-option"], "--no-such-option"),
         ("table3", &[], "table3"),
     ] {

@@ -1,6 +1,7 @@
 //! Measurement: what is measured and written is in `lie-bench`; here are its arguments.
 
 mod course;
+mod farm;
 mod figure4;
 mod growth;
 mod output;
@@ -18,6 +19,7 @@ use lie_farm::ConstructSettings;
 
 use self::{
     course::Course,
+    farm::Farm,
     figure4::Figure4,
     growth::Growth,
     output::{Output, progress_bar, teller},
@@ -42,6 +44,7 @@ pub(crate) enum BenchCommand {
     Report(Report),
     Peers(Peers),
     Growth(Growth),
+    Farm(Farm),
 }
 
 /// The paper's Table 1: time, speed-up and error of a frame, by each integrator.
@@ -140,6 +143,7 @@ pub(crate) fn execute(command: &BenchCommand) -> anyhow::Result<()> {
         BenchCommand::Report(arguments) => arguments.execute(),
         BenchCommand::Peers(arguments) => arguments.execute(),
         BenchCommand::Growth(arguments) => arguments.execute(),
+        BenchCommand::Farm(arguments) => arguments.execute(),
     }
 }
 

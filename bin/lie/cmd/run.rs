@@ -7,7 +7,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 use lie_farm::{
     client::ClientConfig,
-    launch::{self, Farm, LaunchConfig},
+    launch::{self, ConstructorSource, Farm, LaunchConfig},
     network::Exposure,
     snapshot::SnapshotFile,
 };
@@ -130,7 +130,7 @@ fn launch_config(
     }
     Ok(LaunchConfig {
         program: std::env::current_exe().context("cannot find this program")?,
-        constructor,
+        constructor: ConstructorSource::Started(constructor),
         shader,
         shaders: arguments.shaders as usize,
         constructor_grace: match lies {

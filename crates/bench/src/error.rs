@@ -18,6 +18,9 @@ pub enum BenchError {
     /// Another program could not be measured.
     #[error(transparent)]
     Peer(#[from] PeerError),
+    /// A farm has no frame.
+    #[error(transparent)]
+    Farm(#[from] lie_farm::client::ClientError),
     /// A file or folder could not be written.
     #[error("cannot write {path}: {source}")]
     Write {

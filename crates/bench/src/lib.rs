@@ -8,6 +8,7 @@
 //! * [`figure4`] shows what each pixel costs, as the paper's Figure 4.
 //! * [`converge`] follows error and frame time while LIEs are constructed.
 //! * [`growth`] measures frames over the number of lights and of triangles.
+//! * [`farm`] renders on a farm in turn with this process.
 //! * [`peers`] lets another program render the same scene in turn with ours.
 //! * [`Table`], [`plot`], [`Report`] and [`Machine`] are what comes out: text, Markdown, SVG.
 //!
@@ -46,6 +47,7 @@ mod stage;
 mod table;
 
 pub mod converge;
+pub mod farm;
 pub mod figure4;
 pub mod growth;
 pub mod paper;

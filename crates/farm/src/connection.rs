@@ -21,7 +21,7 @@ pub const DEAD_AFTER: Duration = Duration::from_secs(5);
 /// How long a connection may take from the first byte to the welcome.
 pub const HANDSHAKE_DEADLINE: Duration = Duration::from_secs(5);
 
-/// Bytes moved by one read or write.
+/// Room for one read, and most bytes moved by one write.
 const PIECE: usize = 64 * 1024;
 
 /// Why a connection ended.
@@ -78,7 +78,6 @@ impl ByteCount {
 pub struct Receiver<R> {
     stream: R,
     decoder: Decoder,
-    piece: Box<[u8]>,
     heard: Instant,
     dead_after: Duration,
     count: ByteCount,
@@ -90,7 +89,6 @@ impl<R: AsyncRead + Unpin> Receiver<R> {
         Self {
             stream,
             decoder: Decoder::default(),
-            piece: vec![0; PIECE].into(),
             heard: Instant::now(),
             dead_after: DEAD_AFTER,
             count: ByteCount::default(),
@@ -113,7 +111,8 @@ impl<R: AsyncRead + Unpin> Receiver<R> {
                 return Ok(message);
             }
             let deadline = self.heard + self.dead_after;
-            let bytes = timeout_at(deadline, self.stream.read(&mut self.piece))
+            let room = self.decoder.room(PIECE);
+            let bytes = timeout_at(deadline, self.stream.read_buf(room))
                 .await
                 .map_err(|_| LinkError::Silent(self.dead_after))??;
             if bytes == 0 {
@@ -121,7 +120,6 @@ impl<R: AsyncRead + Unpin> Receiver<R> {
             }
             self.heard = Instant::now();
             self.count.add(bytes);
-            self.decoder.push(&self.piece[..bytes]);
         }
     }
 }

@@ -36,8 +36,8 @@ pub type LogLine = Arc<dyn Fn(&str, &str) + Send + Sync>;
 pub struct LaunchConfig {
     /// The `lie` executable.
     pub program: PathBuf,
-    /// Arguments of the constructor, beginning with `constructor`.
-    pub constructor: Vec<OsString>,
+    /// The constructor.
+    pub constructor: ConstructorSource,
     /// Arguments of every shader, beginning with `shader`; the constructor's address is added.
     pub shader: Vec<OsString>,
     /// How many shaders.
@@ -46,6 +46,15 @@ pub struct LaunchConfig {
     pub constructor_grace: Duration,
     /// Where the children's logs go.
     pub log: LogLine,
+}
+
+/// Where a farm's constructor comes from.
+#[derive(Clone, Debug)]
+pub enum ConstructorSource {
+    /// It is started, with these arguments, beginning with `constructor`.
+    Started(Vec<OsString>),
+    /// It listens at this address already, as `host:port`, and is somebody else's to end.
+    Found(String),
 }
 
 /// Why the processes are not there.
@@ -96,8 +105,8 @@ struct Children {
 }
 
 impl Farm {
-    /// Starts the constructor, waits until it listens, and starts the shaders, which may
-    /// come when they can.
+    /// Starts the constructor, if there is none, waits until it listens, and starts the
+    /// shaders, which may come when they can.
     ///
     /// # Errors
     /// [`LaunchError`]; nothing is left running then.
@@ -136,10 +145,13 @@ impl Farm {
     }
 
     async fn start_all(&mut self, config: &LaunchConfig) -> Result<(), LaunchError> {
-        self.address = self
-            .constructor
-            .start("constructor", config, &config.constructor)
-            .await?;
+        self.address = match &config.constructor {
+            ConstructorSource::Found(address) => address.clone(),
+            ConstructorSource::Started(arguments) => {
+                let children = &mut self.constructor;
+                children.start("constructor", config, arguments).await?
+            }
+        };
         let mut arguments = config.shader.clone();
         arguments.extend(["--constructor".into(), self.address.clone().into()]);
         for number in 1..=config.shaders {

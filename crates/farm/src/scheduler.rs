@@ -115,13 +115,17 @@ impl Scheduler {
         }
     }
 
+    /// Whether [`Self::completed`] would take this tile from that shader.
+    #[must_use]
+    pub fn wants(&self, tile: u32, shader: ShaderId) -> bool {
+        let holders = self.in_flight.get(&tile).map_or(&[][..], Vec::as_slice);
+        holders.iter().any(|&(holder, _)| holder == shader)
+    }
+
     /// A tile has come back.
     pub fn completed(&mut self, tile: u32, shader: ShaderId, now: Instant) -> Completion {
         if let Some(shader) = self.shaders.get_mut(&shader) {
             shader.tiles.remove(&tile);
-        }
-        if !self.unfinished.contains(&tile) {
-            return Completion::Duplicate;
         }
         let holders = self.in_flight.get(&tile).map_or(&[][..], Vec::as_slice);
         let Some(&(_, since)) = holders.iter().find(|&&(holder, _)| holder == shader) else {

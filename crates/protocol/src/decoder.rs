@@ -43,11 +43,18 @@ pub struct Decoder {
 impl Decoder {
     /// Adds bytes that have arrived.
     pub fn push(&mut self, bytes: &[u8]) {
+        self.room(bytes.len()).extend_from_slice(bytes);
+    }
+
+    /// Where bytes that arrive are appended without another copy; there is room for at least
+    /// so many. What is in it waits for the rest of its frame.
+    pub fn room(&mut self, bytes: usize) -> &mut Vec<u8> {
         if self.start > 0 {
             self.bytes.drain(..self.start);
             self.start = 0;
         }
-        self.bytes.extend_from_slice(bytes);
+        self.bytes.reserve(bytes);
+        &mut self.bytes
     }
 
     /// The next whole message; `None` if it has not arrived in full. Which messages may

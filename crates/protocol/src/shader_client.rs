@@ -83,6 +83,8 @@ pub struct TileRequest {
 pub struct WireCost {
     /// Nanoseconds from the request's arrival to the start of the work.
     pub queued_ns: u64,
+    /// Nanoseconds for which its thread had nothing to do before it, of its frame's time.
+    pub idle_ns: u64,
     /// Nanoseconds of rendering, of which the next four are parts.
     pub render_ns: u64,
     /// Nanoseconds in primary visibility.
@@ -93,6 +95,8 @@ pub struct WireCost {
     pub partial_ns: u64,
     /// Nanoseconds in lights tested against the whole scene.
     pub full_ns: u64,
+    /// Nanoseconds of packing its pixels, which follow the rendering.
+    pub pack_ns: u64,
     /// Camera rays.
     pub primary_rays: u64,
     /// Shadow rays through the whole scene.

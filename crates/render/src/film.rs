@@ -1,6 +1,6 @@
 use glam::{UVec2, Vec3};
 
-use crate::RadianceTile;
+use crate::{RadianceTile, Tile, TileError, tile::first_impossible};
 
 /// A frame's pixels, as linear RGB radiance in W·sr⁻¹·m⁻², row 0 on top.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,9 +51,7 @@ impl Film {
     #[must_use]
     pub fn put(&mut self, tile: &RadianceTile) -> bool {
         let (origin, size) = (tile.tile().origin, tile.tile().size);
-        if origin.x.saturating_add(size.x) > self.size.x
-            || origin.y.saturating_add(size.y) > self.size.y
-        {
+        if !tile.tile().is_inside(self.size) {
             return false;
         }
         for (row, values) in tile.radiance().chunks(size.x as usize).enumerate() {
@@ -61,6 +59,32 @@ impl Film {
             self.radiance[start..start + values.len()].copy_from_slice(values);
         }
         true
+    }
+
+    /// Lets `fill` write a tile's rows where they belong, and checks its pixels as
+    /// [`RadianceTile::new`] does. `fill` gets the number of the row's first pixel in the tile.
+    ///
+    /// # Errors
+    /// [`TileError`] if the tile is not inside, and nothing is written then; or if a value is not
+    /// possible, after which the tile is of no use until it is filled again.
+    pub fn fill(
+        &mut self,
+        tile: Tile,
+        mut fill: impl FnMut(usize, &mut [Vec3]),
+    ) -> Result<(), TileError> {
+        let (start, width) = (tile.origin.as_usizevec2(), tile.size.x as usize);
+        if !tile.is_inside(self.size) {
+            return Err(TileError::Size(tile.size));
+        }
+        for row in 0..tile.size.y as usize {
+            let first = (start.y + row) * self.size.x as usize + start.x;
+            let pixels = &mut self.radiance[first..first + width];
+            fill(row * width, pixels);
+            if let Some(pixel) = first_impossible(pixels) {
+                return Err(TileError::Value(row * width + pixel));
+            }
+        }
+        Ok(())
     }
 
     /// The film with fewer bits; larger values than a half can hold become its largest.
@@ -80,7 +104,6 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Tile;
 
     #[test]
     fn tiles_land_in_their_place_or_not_at_all() {
@@ -100,6 +123,34 @@ mod tests {
             assert!(!film.put(&make(x, y)));
         }
         assert_eq!(film, before);
+    }
+
+    #[test]
+    fn tiles_are_filled_in_place_and_checked() {
+        let mut film = Film::new(UVec2::new(4, 3));
+        let tile = |x, y| Tile {
+            origin: UVec2::new(x, y),
+            size: UVec2::new(2, 2),
+        };
+        let pixels = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE];
+        let filled = film.fill(tile(2, 1), |from, row| {
+            row.copy_from_slice(&pixels[from..][..2])
+        });
+        assert_eq!(filled, Ok(()));
+        let mut put = Film::new(UVec2::new(4, 3));
+        assert!(put.put(&RadianceTile::new(tile(2, 1), pixels.to_vec()).unwrap()));
+        assert_eq!(film, put);
+        for (x, y) in [(3, 0), (0, 2), (u32::MAX, 0)] {
+            let outside = film.fill(tile(x, y), |_, _| panic!("nothing is written"));
+            assert_eq!(outside, Err(TileError::Size(UVec2::new(2, 2))));
+        }
+        for bad in [f32::NAN, f32::INFINITY, -1.0] {
+            let filled = film.fill(tile(0, 0), |from, row| {
+                row.fill(Vec3::ONE);
+                row[1].z = if from == 2 { bad } else { 0.0 };
+            });
+            assert_eq!(filled, Err(TileError::Value(3)));
+        }
     }
 
     #[test]

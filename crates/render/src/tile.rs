@@ -9,6 +9,18 @@ pub struct Tile {
     pub size: UVec2,
 }
 
+impl Tile {
+    /// Whether all of it lies in a film of that size.
+    #[must_use]
+    pub fn is_inside(&self, film: UVec2) -> bool {
+        let inside = |at: usize| {
+            let end = self.origin[at].checked_add(self.size[at]);
+            end.is_some_and(|end| end <= film[at])
+        };
+        inside(0) && inside(1)
+    }
+}
+
 /// Side of a tile in pixels; those at the right and lower border may be smaller.
 const SIDE: u32 = 64;
 
@@ -79,8 +91,7 @@ impl RadianceTile {
                 count: radiance.len(),
             });
         }
-        let possible = |value: &Vec3| value.is_finite() && value.min_element() >= 0.0;
-        match radiance.iter().position(|value| !possible(value)) {
+        match first_impossible(&radiance) {
             Some(pixel) => Err(TileError::Value(pixel)),
             None => Ok(Self { tile, radiance }),
         }
@@ -97,6 +108,20 @@ impl RadianceTile {
     pub fn radiance(&self) -> &[Vec3] {
         &self.radiance
     }
+}
+
+/// The first pixel that is not finite or is negative in a channel.
+pub(crate) fn first_impossible(radiance: &[Vec3]) -> Option<usize> {
+    // Nearly always there is none, and without a way out early lanes can look.
+    let channel = |channel: f32| (0.0..=f32::MAX).contains(&channel);
+    let possible = |value: &Vec3| channel(value.x) & channel(value.y) & channel(value.z);
+    if radiance
+        .iter()
+        .fold(true, |all, value| all & possible(value))
+    {
+        return None;
+    }
+    radiance.iter().position(|value| !possible(value))
 }
 
 #[cfg(test)]

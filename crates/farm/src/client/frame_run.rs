@@ -3,9 +3,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use glam::Vec3;
 use lie_protocol::{CancelBefore, ClientToShader, TileDone, TileRequest, limit};
-use lie_render::{Film, RadianceTile, RenderStats, Tile, tiles};
+use lie_render::{Film, RenderStats, Tile, tiles};
 use tokio::{sync::mpsc, time::sleep_until};
 
 use super::{
@@ -13,7 +12,7 @@ use super::{
     hub::{Event, Hub, Link},
 };
 use crate::{
-    pixels,
+    pixels::PackedPixels,
     scheduler::{Completion, Scheduler, ShaderId, centre_out},
 };
 
@@ -28,7 +27,6 @@ pub(super) struct FrameRun<'a> {
     tiles: Vec<Tile>,
     scheduler: Scheduler,
     links: BTreeMap<ShaderId, (Link, u64)>,
-    film: Film,
     stats: FrameStats,
     started: Instant,
     /// Since when there has been no shader.
@@ -63,7 +61,6 @@ impl<'a> FrameRun<'a> {
             scheduler: Scheduler::new(order, config.late),
             tiles,
             links: BTreeMap::new(),
-            film: Film::new(request.size),
             stats: FrameStats {
                 lie_version: u64::MAX,
                 ..FrameStats::default()
@@ -80,15 +77,22 @@ impl<'a> FrameRun<'a> {
         for (id, link) in links {
             self.join(id, link);
         }
+        self.assign();
+        // Made while the first tiles are rendered.
+        let mut film = Film::new(self.request.size);
         while !self.scheduler.is_done() {
             self.assign();
-            self.next_event(&mut events).await?;
+            self.next_event(&mut events, &mut film).await?;
         }
         self.call_off_the_rest();
-        Ok(self.into_frame())
+        Ok(self.into_frame(film))
     }
 
-    async fn next_event(&mut self, events: &mut mpsc::Receiver<Event>) -> Result<(), ClientError> {
+    async fn next_event(
+        &mut self,
+        events: &mut mpsc::Receiver<Event>,
+        film: &mut Film,
+    ) -> Result<(), ClientError> {
         let wake = match self.scheduler.next_deadline() {
             Some(deadline) => deadline,
             None => Instant::now() + REMINDER,
@@ -97,7 +101,7 @@ impl<'a> FrameRun<'a> {
             event = events.recv() => match event {
                 Some(Event::Joined(id, link)) => self.join(id, link),
                 Some(Event::Left(id)) => self.lose(id),
-                Some(Event::Tile(id, done)) => self.take(id, &done),
+                Some(Event::Tile(id, done)) => self.take(id, &done, film),
                 // The hub holds the other end for as long as this frame is the newest.
                 None => return Err(ClientError::NoShaders(Duration::ZERO)),
             },
@@ -175,39 +179,37 @@ impl<'a> FrameRun<'a> {
         }
     }
 
-    fn take(&mut self, id: ShaderId, done: &TileDone) {
-        let tile = match self.unpack(done) {
-            Ok(tile) => tile,
-            Err(problem) => return self.expel(id, &problem),
+    fn take(&mut self, id: ShaderId, done: &TileDone, film: &mut Film) {
+        let clock = Instant::now();
+        let number = done.report.tile;
+        let Some(&tile) = self.tiles.get(number as usize) else {
+            return self.expel(id, "there is no such tile");
         };
-        let completion = self
-            .scheduler
-            .completed(done.report.tile, id, Instant::now());
+        // What is done, or was never asked of this one, is not written over.
+        if self.scheduler.wants(number, id)
+            && let Err(problem) = self.unpack(&done.pixels, tile, film)
+        {
+            return self.expel(id, &problem);
+        }
+        let completion = self.scheduler.completed(number, id, Instant::now());
         if completion == Completion::Duplicate {
             return;
-        }
-        if !self.film.put(&tile) {
-            return self.expel(id, "its tile does not fit");
         }
         if let Some((_, tiles)) = self.links.get_mut(&id) {
             *tiles += 1;
         }
+        self.stats.unpack_ms += milliseconds(clock.elapsed());
         self.count(done);
     }
 
-    fn unpack(&self, done: &TileDone) -> Result<RadianceTile, String> {
-        let tile = self.tiles.get(done.report.tile as usize);
-        let tile = *tile.ok_or("there is no such tile")?;
+    /// Unpacks a tile straight into the film.
+    fn unpack(&self, bytes: &[u8], tile: Tile, film: &mut Film) -> Result<(), String> {
+        let (format, compression) = (self.request.format, self.request.compression);
         let count = (tile.size.x * tile.size.y) as usize;
-        let pixels = pixels::unpack(
-            &done.pixels,
-            count,
-            self.request.format,
-            self.request.compression,
-        );
-        let pixels = pixels.map_err(|error| error.to_string())?;
-        let radiance = pixels.into_iter().map(Vec3::from).collect();
-        RadianceTile::new(tile, radiance).map_err(|error| error.to_string())
+        let pixels = PackedPixels::new(bytes, count, format, compression)
+            .map_err(|error| error.to_string())?;
+        film.fill(tile, |from, row| pixels.unpack(from, row))
+            .map_err(|error| error.to_string())
     }
 
     fn count(&mut self, done: &TileDone) {
@@ -218,8 +220,11 @@ impl<'a> FrameRun<'a> {
         stats.lie_version = stats.lie_version.min(done.report.lie_version);
         stats.lie_version_max = stats.lie_version_max.max(done.report.lie_version);
         stats.pixel_bytes += done.pixels.len() as u64;
-        stats.queued_ms += cost.queued_ns as f64 * 1.0e-6;
-        stats.render_ms += cost.render_ns as f64 * 1.0e-6;
+        let ms = |nanoseconds: u64| nanoseconds as f64 * 1.0e-6;
+        stats.queued_ms += ms(cost.queued_ns);
+        stats.idle_ms += ms(cost.idle_ns);
+        stats.render_ms += ms(cost.render_ns);
+        stats.pack_ms += ms(cost.pack_ns);
         stats.render += RenderStats {
             visibility_ns: cost.visibility_ns,
             unoccluded_ns: cost.unoccluded_ns,
@@ -246,10 +251,10 @@ impl<'a> FrameRun<'a> {
         }
     }
 
-    fn into_frame(self) -> Frame {
+    fn into_frame(self, film: Film) -> Frame {
         let shares = self.links.into_values();
         Frame {
-            film: self.film,
+            film,
             stats: FrameStats {
                 frame_ms: milliseconds(self.started.elapsed()),
                 trusted_fraction: self.stats.render.trusted_fraction(),
@@ -270,3 +275,6 @@ impl<'a> FrameRun<'a> {
 fn milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1.0e3
 }
+
+#[cfg(test)]
+mod tests;

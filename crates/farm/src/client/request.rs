@@ -56,8 +56,14 @@ pub struct FrameStats {
     pub pixel_bytes: u64,
     /// Summed over tiles: milliseconds that they waited at their shader for a thread.
     pub queued_ms: f64,
+    /// Summed over tiles: milliseconds for which their thread had nothing to do before.
+    pub idle_ms: f64,
     /// Summed over tiles: milliseconds of rendering.
     pub render_ms: f64,
+    /// Summed over tiles: milliseconds of packing, by the thread that rendered.
+    pub pack_ms: f64,
+    /// Milliseconds in which the client unpacked tiles and put them on its film.
+    pub unpack_ms: f64,
     /// Summed over tiles: what they cost.
     pub render: RenderStats,
     /// Who rendered how much, in order of joining.

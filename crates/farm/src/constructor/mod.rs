@@ -27,7 +27,7 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    Builder, ConstructSettings, View,
+    Builder, ConstructSettings, LieReplica, PublishedLies, View,
     connection::{self, ByteCount, LinkError},
     convert, handshake,
     network::Exposure,
@@ -129,6 +129,12 @@ impl Prepared {
             settings: config.construct,
             frozen,
         })
+    }
+
+    /// The LIEs, as a shader has them that takes all there are now.
+    #[must_use]
+    pub fn lies(&self, world: Arc<World>) -> PublishedLies {
+        LieReplica::of(world, self.builder.tree()).publish()
     }
 }
 

@@ -173,6 +173,10 @@ proptest! {
                 let held = flying.iter().filter(|&&(holder, _)| holder == shader).count();
                 prop_assert!(held <= credits(shader));
                 prop_assert_eq!(held, scheduler.in_flight(shader));
+                for tile in 0..tiles {
+                    let wanted = done[tile as usize] == 0 && flying.contains(&(shader, tile));
+                    prop_assert_eq!(scheduler.wants(tile, shader), wanted);
+                }
             }
         }
         prop_assert!(scheduler.is_done());

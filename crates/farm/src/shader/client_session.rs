@@ -125,6 +125,7 @@ impl Session<'_> {
         let broken = |error: convert::ConvertError| LinkError::Rules(error.to_string());
         self.frame = Some(Arc::new(FrameWork {
             number: begin.frame,
+            begun: Instant::now(),
             stage: self.stage.clone(),
             camera: convert::camera(&begin.camera).map_err(broken)?,
             settings: convert::frame_settings(begin).map_err(broken)?,
@@ -177,13 +178,9 @@ impl Drop for Session<'_> {
 fn checked_tile(request: &TileRequest, frame: UVec2) -> Option<Tile> {
     let (origin, size) = (UVec2::from(request.origin), UVec2::from(request.size));
     let sides = 1..=limit::TILE_SIDE;
-    let inside = |at: usize| {
-        sides.contains(&size[at])
-            && origin[at]
-                .checked_add(size[at])
-                .is_some_and(|end| end <= frame[at])
-    };
-    (inside(0) && inside(1)).then_some(Tile { origin, size })
+    let tile = Tile { origin, size };
+    let possible = sides.contains(&size.x) && sides.contains(&size.y) && tile.is_inside(frame);
+    possible.then_some(tile)
 }
 
 fn rules(what: &str) -> LinkError {

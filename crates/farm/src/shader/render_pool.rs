@@ -7,7 +7,7 @@ use std::{
         atomic::{AtomicBool, AtomicU32, Ordering},
     },
     thread,
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 use lie_protocol::{
@@ -24,6 +24,8 @@ use crate::pixels;
 /// A client's frame, shared by its tiles.
 pub(super) struct FrameWork {
     pub(super) number: u64,
+    /// When it was asked for.
+    pub(super) begun: Instant,
     pub(super) stage: Arc<Stage>,
     pub(super) camera: Camera,
     pub(super) settings: FrameSettings,
@@ -118,12 +120,14 @@ impl Queue {
 }
 
 fn work(queue: &Queue, audit: f32) {
+    let mut free = Instant::now();
     while let Some(job) = queue.next() {
+        let idle = free.max(job.frame.begun).elapsed();
         if job.frame.cancelled.load(Ordering::Relaxed) {
             continue;
         }
         // A tile that cannot be rendered must not take its thread along.
-        match catch_unwind(AssertUnwindSafe(|| render(&job))) {
+        match catch_unwind(AssertUnwindSafe(|| render(&job, idle))) {
             Ok(Some(done)) => deliver(&job.frame, done),
             Ok(None) => {}
             Err(_) => tracing::error!("tile {:?} could not be rendered", job.tile),
@@ -144,10 +148,12 @@ fn work(queue: &Queue, audit: f32) {
                 tracing::error!("tile {:?} could not be checked", job.tile);
             }
         }
+        free = Instant::now();
     }
 }
 
-fn render(job: &Job) -> Option<TileDone> {
+/// Renders and packs a tile, before which its thread had nothing to do for so long.
+fn render(job: &Job, idle: Duration) -> Option<TileDone> {
     let frame = &*job.frame;
     let started = Instant::now();
     let lies = match frame.integrator {
@@ -162,31 +168,38 @@ fn render(job: &Job) -> Option<TileDone> {
         job.tile,
         &frame.cancelled,
     )?;
+    let rendered = Instant::now();
+    let radiance = result.radiance.radiance();
+    let pixels = pixels::pack(radiance, frame.format, frame.compression);
     let report = TileReport {
         frame: frame.number,
         tile: job.request.tile,
         lie_version: lies.map_or(0, |lies| lies.version()),
         cost: WireCost {
-            queued_ns: started.duration_since(job.arrived).as_nanos() as u64,
-            render_ns: started.elapsed().as_nanos() as u64,
+            queued_ns: nanoseconds(started - job.arrived),
+            idle_ns: nanoseconds(idle),
+            render_ns: nanoseconds(rendered - started),
+            pack_ns: nanoseconds(rendered.elapsed()),
             ..cost(&result.stats)
         },
     };
-    let radiance = result.radiance.radiance();
-    Some(TileDone {
-        report,
-        pixels: pixels::pack(radiance, frame.format, frame.compression),
-    })
+    Some(TileDone { report, pixels })
+}
+
+fn nanoseconds(duration: Duration) -> u64 {
+    duration.as_nanos() as u64
 }
 
 fn cost(stats: &RenderStats) -> WireCost {
     WireCost {
         queued_ns: 0,
+        idle_ns: 0,
         render_ns: 0,
         visibility_ns: stats.visibility_ns,
         unoccluded_ns: stats.unoccluded_ns,
         partial_ns: stats.partial_ns,
         full_ns: stats.full_ns,
+        pack_ns: 0,
         primary_rays: stats.primary_rays,
         shadow_rays: stats.shadow_rays,
         list_rays: stats.list_rays,

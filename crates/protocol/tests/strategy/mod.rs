@@ -288,7 +288,7 @@ pub(crate) fn client_to_constructor() -> impl Strategy<Value = ClientToConstruct
 
 pub(crate) fn shader_to_client() -> impl Strategy<Value = ShaderToClient> {
     use ShaderToClient as M;
-    let tile = (any::<[u64; 14]>(), any::<u32>(), vec(any::<u8>(), 0..400)).prop_map(
+    let tile = (any::<[u64; 16]>(), any::<u32>(), vec(any::<u8>(), 0..400)).prop_map(
         |(numbers, tile, pixels)| TileDone {
             report: TileReport {
                 frame: numbers[0],
@@ -307,6 +307,8 @@ pub(crate) fn shader_to_client() -> impl Strategy<Value = ShaderToClient> {
                     occluder_tests: numbers[11],
                     evaluations: numbers[12],
                     trusted: numbers[13],
+                    idle_ns: numbers[14],
+                    pack_ns: numbers[15],
                 },
             },
             pixels,
