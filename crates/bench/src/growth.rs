@@ -150,11 +150,31 @@ fn scene(axis: Axis, count: u64) -> Scene {
                 lights_in_each: in_each as u32,
             })
         }
-        Axis::Triangles => lie_scene::mosque(&Mosque {
-            detail: mosque_detail(count as f32 * 1.0e-6),
-            ..Mosque::default()
-        }),
+        Axis::Triangles => mosque_of(count),
     }
+}
+
+/// The mosque with about so many triangles. Columns have whole numbers of sides, so that few
+/// triangles come in steps: what is far off is made again.
+fn mosque_of(triangles: u64) -> Scene {
+    const TRIES: usize = 4;
+    let make = |detail| {
+        lie_scene::mosque(&Mosque {
+            detail,
+            ..Mosque::default()
+        })
+    };
+    let mut detail = mosque_detail(triangles as f32 * 1.0e-6);
+    let mut scene = make(detail);
+    for _ in 1..TRIES {
+        let share = triangles as f32 / scene.geometry.len() as f32;
+        if (share - 1.0).abs() < 0.05 {
+            break;
+        }
+        detail *= share.sqrt();
+        scene = make(detail);
+    }
+    scene
 }
 
 /// The mosque's detail for so many million triangles: what solves the polynomial that gives their
