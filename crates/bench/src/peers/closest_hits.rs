@@ -39,14 +39,22 @@ fn trace(stage: &Stage, tile: Tile) -> Vec<Vec3> {
     let mut cosines = vec![Vec3::ZERO; (tile.size.x * tile.size.y) as usize];
     for y in (0..tile.size.y).step_by(BLOCK as usize) {
         for x in (0..tile.size.x).step_by(BLOCK as usize) {
+            // As a frame does: all from one place, and directions in lanes.
             let pixels: [UVec2; PACKET] =
                 array::from_fn(|lane| UVec2::new(x + lane as u32 % BLOCK, y + lane as u32 / BLOCK));
-            let rays = pixels.map(|pixel| film.ray((tile.origin + pixel).as_vec2() + 0.5));
-            let hits = world.accel().closest_packet(&RayPacket::new(&rays));
+            let mut places = [[0.0; PACKET]; 2];
+            for (lane, pixel) in pixels.iter().enumerate() {
+                let place = (tile.origin + pixel).as_vec2() + 0.5;
+                (places[0][lane], places[1][lane]) = (place.x, place.y);
+            }
+            let directions = film.directions(&places);
+            let rays = RayPacket::from_eye(film.eye().to_array(), &directions, 0xffff);
+            let hits = world.accel().closest_packet(&rays);
             for (lane, hit) in hits.iter().enumerate() {
                 let Some(hit) = hit else { continue };
                 let normal = world.scene().geometry.triangle(hit.triangle).normal;
-                let cosine = normal.dot(rays[lane].direction).abs();
+                let direction = Vec3::from(directions.map(|axis| axis[lane]));
+                let cosine = normal.dot(direction).abs();
                 cosines[(pixels[lane].y * tile.size.x + pixels[lane].x) as usize] =
                     Vec3::splat(cosine);
             }
