@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use glam::UVec2;
 use lie_farm::snapshot::SnapshotFile;
+use lie_protocol::{Compression, PixelFormat};
 use lie_render::AccelKind;
 use lie_scene::{Camera, RenderSettings, Scene, Walkthrough};
 
@@ -109,6 +110,24 @@ impl From<Precision> for lie_render::Precision {
             Precision::Half => Self::Half,
             Precision::Float => Self::Float,
         }
+    }
+}
+
+impl From<Precision> for PixelFormat {
+    fn from(precision: Precision) -> Self {
+        match precision {
+            Precision::Half => Self::F16,
+            Precision::Float => Self::F32,
+        }
+    }
+}
+
+/// How pixels travel, if they are to be compressed.
+pub(crate) fn compression(is_wanted: bool) -> Compression {
+    if is_wanted {
+        Compression::Lz4
+    } else {
+        Compression::None
     }
 }
 

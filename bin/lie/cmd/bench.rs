@@ -8,6 +8,7 @@ mod output;
 mod peers;
 mod report;
 mod subject;
+mod threads;
 
 use clap::{Args, Subcommand};
 use lie_bench::{
@@ -26,6 +27,7 @@ use self::{
     peers::Peers,
     report::Report,
     subject::Subject,
+    threads::Threads,
 };
 use super::render::Construction;
 use crate::{args::say, process};
@@ -105,14 +107,8 @@ struct Frames {
     /// Frames of each integrator, in turn; times are medians.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
     repeat: u32,
-    /// Numbers of threads, one measurement for each; 0 is one for each core.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "1,0",
-        value_name = "N,N,…"
-    )]
-    threads: Vec<usize>,
+    #[command(flatten)]
+    threads: Threads,
     #[command(flatten)]
     learning: Learning,
 }
@@ -243,7 +239,7 @@ impl Frames {
     }
 
     fn threads(&self) -> anyhow::Result<Vec<usize>> {
-        thread_counts(&self.threads)
+        self.threads.counts()
     }
 }
 
@@ -253,18 +249,6 @@ fn race(stage: &Stage, lineup: &Lineup, config: &FramesConfig) -> anyhow::Result
     let frames = measure_frames(stage, lineup, config, &teller(&bar))?;
     bar.finish_and_clear();
     Ok(frames)
-}
-
-/// Each number once, in order; 0 is one for each core.
-fn thread_counts(wanted: &[usize]) -> anyhow::Result<Vec<usize>> {
-    let mut all = vec![];
-    for &wanted in wanted {
-        let threads = process::threads(wanted)?;
-        if !all.contains(&threads) {
-            all.push(threads);
-        }
-    }
-    Ok(all)
 }
 
 impl Learning {

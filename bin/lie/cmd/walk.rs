@@ -17,12 +17,12 @@ use lie_farm::{
     convert,
     walk::{WalkConfig, walk},
 };
-use lie_protocol::{Compression, PixelFormat, SceneSummary, WireIntegrator};
+use lie_protocol::{SceneSummary, WireIntegrator};
 use lie_scene::{KeyFrame, RenderSettings, Walkthrough};
 use tokio::sync::watch;
 
 use crate::{
-    args::{self, Precision, say, write_json},
+    args::{self, Precision, compression, say, write_json},
     failure::{OrUsage, usage},
 };
 pub(crate) use report::Report;
@@ -144,15 +144,8 @@ impl WalkOptions {
                     FarmIntegrator::Lie => WireIntegrator::Lie,
                 },
                 seed: self.seed,
-                format: match self.precision {
-                    Precision::Half => PixelFormat::F16,
-                    Precision::Float => PixelFormat::F32,
-                },
-                compression: if self.compress {
-                    Compression::Lz4
-                } else {
-                    Compression::None
-                },
+                format: self.precision.into(),
+                compression: compression(self.compress),
             },
             path,
         };

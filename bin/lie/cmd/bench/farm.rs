@@ -13,7 +13,7 @@ use lie_farm::{
     launch::{self, ConstructorSource, LaunchConfig},
     network::{self, Exposure},
 };
-use lie_protocol::{Compression, PixelFormat, WireIntegrator};
+use lie_protocol::WireIntegrator;
 use tokio::runtime::Runtime;
 use tokio_util::sync::CancellationToken;
 
@@ -21,10 +21,10 @@ use super::{
     construct_settings,
     output::{Output, progress_bar, teller},
     subject::Subject,
-    thread_counts,
+    threads::Threads,
 };
 use crate::{
-    args::{Precision, say},
+    args::{Precision, compression, say},
     cmd::render::Construction,
     process,
 };
@@ -41,14 +41,8 @@ pub(crate) struct Farm {
     /// Frames of each, in turn; times and ratios are medians.
     #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
     repeat: u32,
-    /// Numbers of threads, one measurement for each; 0 is one for each core.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "1,0",
-        value_name = "N,N,…"
-    )]
-    threads: Vec<usize>,
+    #[command(flatten)]
+    threads: Threads,
     /// Bits per channel on the way.
     #[arg(long, value_enum, default_value = "half")]
     precision: Precision,
@@ -71,7 +65,7 @@ struct Learnt {
 impl Farm {
     pub(super) fn execute(&self) -> anyhow::Result<()> {
         self.output.prepare()?;
-        let threads = thread_counts(&self.threads)?;
+        let threads = self.threads.counts()?;
         let runtime = process::runtime()?;
         let mut rows = vec![];
         for scene in self.subject.load()? {
@@ -163,15 +157,8 @@ impl Farm {
             light_samples: settings.light_samples,
             integrator: WireIntegrator::Lie,
             seed: settings.seed,
-            format: match self.precision {
-                Precision::Half => PixelFormat::F16,
-                Precision::Float => PixelFormat::F32,
-            },
-            compression: if self.compress {
-                Compression::Lz4
-            } else {
-                Compression::None
-            },
+            format: self.precision.into(),
+            compression: compression(self.compress),
         }
     }
 }

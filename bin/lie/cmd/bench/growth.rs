@@ -8,7 +8,8 @@ use lie_bench::{
 use super::{
     Learning,
     output::{Output, progress_bar},
-    race, thread_counts,
+    race,
+    threads::thread_counts,
 };
 use crate::{
     args::{self, Accel, say},

@@ -10,7 +10,7 @@ use super::{
     Learning,
     output::{Output, progress_bar, teller},
     subject::{LoadedScene, Subject},
-    thread_counts,
+    threads::Threads,
 };
 use crate::{
     args::say,
@@ -43,14 +43,8 @@ pub(crate) struct Peers {
     /// Rounds, in each of which every one renders a frame; ratios are medians.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
     repeat: u32,
-    /// Numbers of threads, one measurement for each; 0 is one for each core.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        default_value = "1,0",
-        value_name = "N,N,…"
-    )]
-    threads: Vec<usize>,
+    #[command(flatten)]
+    threads: Threads,
     #[command(flatten)]
     learning: Learning,
     #[command(flatten)]
@@ -105,7 +99,7 @@ impl Peers {
                 program: self.embree.clone(),
             },
             variants,
-            threads: thread_counts(&self.threads)?,
+            threads: self.threads.counts()?,
             repeat: self.repeat,
         })
     }

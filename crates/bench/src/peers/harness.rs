@@ -1,6 +1,7 @@
 use std::{
     ffi::OsString,
     fs,
+    io::Read,
     path::{Path, PathBuf},
     process::Command,
 };
@@ -245,10 +246,25 @@ pub(super) fn read_picture(prefix: &Path, variant: &str, size: UVec2) -> Result<
         path: path.clone(),
         problem,
     };
-    let bytes = fs::read(&path).map_err(|error| failed(format!("cannot be read: {error}")))?;
+    let bytes = read_up_to(&path, most_bytes(size))
+        .map_err(|error| failed(format!("cannot be read: {error}")))?;
     let radiance = npy(&bytes, size)
         .ok_or_else(|| failed(format!("is no .npy of {} x {} x 3 float32", size.y, size.x)))?;
     Film::from_radiance(size, radiance).ok_or_else(|| failed("has another size".to_owned()))
+}
+
+/// Most bytes of a picture's file: a header of version 1, and the pixels.
+fn most_bytes(size: UVec2) -> u64 {
+    10 + u64::from(u16::MAX) + 12 * u64::from(size.x) * u64::from(size.y)
+}
+
+/// A file's bytes, and one more than `most` of one that is longer: no picture has so many.
+fn read_up_to(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
+    let mut bytes = vec![];
+    fs::File::open(path)?
+        .take(most + 1)
+        .read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// NumPy's format, version 1, as far as a picture needs it.
@@ -353,5 +369,18 @@ mod tests {
         assert!(npy(&picture(right, 6), UVec2::new(1, 2)).is_none());
         assert!(npy(b"\x93NUMPY\x01\x00\xff\xff", size).is_none());
         assert!(npy(b"", size).is_none());
+    }
+
+    #[test]
+    fn of_a_file_that_never_ends_no_more_is_read_than_a_picture_has() {
+        let size = UVec2::new(2, 1);
+        let endless = Path::new("/dev/zero");
+        if !endless.exists() {
+            eprintln!("SKIPPED: there is no /dev/zero");
+            return;
+        }
+        let bytes = read_up_to(endless, most_bytes(size)).unwrap();
+        assert_eq!(bytes.len() as u64, most_bytes(size) + 1);
+        assert!(npy(&bytes, size).is_none());
     }
 }
