@@ -159,9 +159,18 @@ fn a_report_has_tables_plots_and_pictures() {
         "report",
         &["--repeat", "1", "--passes", "2", "--limit", "10"],
     );
-    succeeds(report.arg("--out").arg(&out));
+    fs::create_dir_all(out.parent().unwrap()).unwrap();
+    let growth = "## Growth with lights and triangles\n\nMeasured elsewhere.\n";
+    fs::write(&out, format!("# Old\n\n{growth}\n## Old\n")).unwrap();
+    let rows = folder.path().join("rows.json");
+    succeeds(report.arg("--out").arg(&out).arg("--json").arg(&rows));
+    let rows: Value = serde_json::from_slice(&fs::read(&rows).unwrap()).unwrap();
+    let keys = "scene threads lights triangles build_ms build_ms_min build_ms_max accel_bytes";
+    check_rows(&rows["builds"], keys, &[]);
     let text = fs::read_to_string(&out).unwrap();
+    assert!(text.ends_with(growth) && !text.contains("Old"), "{text}");
     for part in [
+        "acceleration structure",
         "Table 1",
         "Table 2",
         "Figure 4",
@@ -193,9 +202,16 @@ fn growth_makes_its_own_scenes() {
     bench.args(["--threads", "1", "--axes", "lights,triangles"]);
     bench.args(["--lights", "10,40,10", "--triangles", "200k", "--report"]);
     bench.arg(folder.path());
+    let results = folder.path().join("results.md");
+    fs::write(
+        &results,
+        "# Results\n\n## Growth with lights and triangles\n\nOld.\n\n## More\n",
+    )
+    .unwrap();
+    bench.arg("--into").arg(&results);
     let written = json(bench);
     let keys = "integrator lights triangles build_ms frame_ms frame_ms_min frame_ms_max speedup \
-                relative_rmse construct_ms visibility_ms traced_ms";
+                relative_rmse construct_ms visibility_ms traced_ms accel_build_ms accel_bytes";
     check_rows(&written["rows"], keys, &[]);
     let rows = written["rows"].as_array().unwrap();
     let sizes: Vec<(&Value, &Value)> = rows
@@ -221,6 +237,16 @@ fn growth_makes_its_own_scenes() {
     for name in ["growth-lights.svg", "growth-triangles.svg"] {
         assert!(folder.path().join("growth").join(name).exists(), "{name}");
     }
+    let text = fs::read_to_string(&results).unwrap();
+    check_links(&results, &text);
+    for part in [
+        "growth-triangles.svg",
+        "Measured by `lie bench growth",
+        "## More",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    assert!(!text.contains("Old."), "{text}");
     for (option, value) in [
         ("--lights", "0"),
         ("--triangles", "17M"),

@@ -415,6 +415,34 @@ fn a_client_looks_at_a_running_farm() {
     }
 }
 
+#[test]
+fn a_walkthrough_goes_on_where_it_was_cut_off() {
+    let home = tempfile::tempdir().unwrap();
+    let constructor = Process::constructor(&[]);
+    let _shader = Process::shader(&constructor.address);
+    let view = |first: &str| {
+        let mut view = support::lie();
+        view.args(["view", "--constructor", &constructor.address]);
+        view.args(["--frames", "3", "--first", first, "--size", "16x16"]);
+        view.args(["--integrator", "standard", "--out"]);
+        view.arg(home.path().join(first));
+        view
+    };
+    support::succeeds(&mut view("0"));
+    support::succeeds(&mut view("2"));
+    let frame = |first: &str, name: &str| std::fs::read(home.path().join(first).join(name));
+    let last = frame("2", "frame-0002.exr").unwrap();
+    assert!(last == frame("0", "frame-0002.exr").unwrap());
+    assert!(frame("2", "frame-0001.exr").is_err());
+    let beyond = view("3").output().unwrap();
+    assert_eq!(beyond.status.code(), Some(2));
+    let complaint = String::from_utf8_lossy(&beyond.stderr);
+    assert!(
+        complaint.contains("--first 3: there are 3 frames"),
+        "{complaint}"
+    );
+}
+
 /// Relative RMSE of a frame against another.
 fn error(frame: &Frame, standard: &Frame) -> f64 {
     lie_render::compare(&frame.film, &standard.film, 0.0)

@@ -117,6 +117,7 @@ fn statistics_hold_what_was_promised() {
     let keys = [
         "scene integrator accel threads width height spp frame_ms visibility_ms",
         "unoccluded_ms partial_ms construct_ms primary_rays shadow_rays occluder_tests",
+        "build_ms lights triangles accel_bytes",
     ];
     for integrator in ["standard", "ward", "lie"] {
         let stats = path("stats.json");

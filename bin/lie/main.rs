@@ -4,14 +4,13 @@
 mod args;
 mod cmd;
 mod failure;
+mod logging;
 mod process;
 
-use std::{
-    io::{IsTerminal, Write},
-    process::ExitCode,
-};
+use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use logging::Logging;
 
 /// Renders direct light from many lights at interactive rates, on one machine or a cluster.
 ///
@@ -23,16 +22,8 @@ struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
 
-    /// What to log to standard error: error, warn, info, debug, trace, or a filter such as
-    /// `warn,lie_farm=debug`.
-    #[arg(
-        long,
-        global = true,
-        default_value = "warn",
-        env = "LIE_LOG",
-        value_name = "FILTER"
-    )]
-    log: String,
+    #[command(flatten)]
+    logging: Logging,
 }
 
 #[derive(Subcommand)]
@@ -41,6 +32,7 @@ enum Command {
     Constructor(cmd::constructor::Constructor),
     Shader(cmd::shader::Shader),
     View(cmd::view::View),
+    Status(cmd::status::Status),
     Render(cmd::render::Render),
     Inspect(cmd::inspect::Inspect),
     Compare(cmd::compare::Compare),
@@ -48,36 +40,40 @@ enum Command {
     Bench(cmd::bench::BenchCommand),
     #[command(subcommand)]
     Scene(cmd::scene::SceneCommand),
+    #[command(subcommand)]
+    Key(cmd::key::KeyCommand),
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    let format = arguments.logging.log_format;
     match execute(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            // Nothing is left to do if standard error is closed.
-            let _ = writeln!(std::io::stderr(), "error: {error:#}");
+            logging::fail(&error, format);
             ExitCode::from(failure::exit_code(&error))
         }
     }
 }
 
 fn execute(arguments: Arguments) -> anyhow::Result<()> {
-    start_logging(&arguments.log)?;
+    logging::start(&arguments.logging)?;
     run_command(arguments)
 }
 
 fn run_command(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
-        Some(Command::Run(run)) => cmd::run::execute(&run, &arguments.log),
+        Some(Command::Run(run)) => cmd::run::execute(&run, &arguments.logging),
         Some(Command::Constructor(constructor)) => cmd::constructor::execute(&constructor),
         Some(Command::Shader(shader)) => cmd::shader::execute(&shader),
         Some(Command::View(view)) => cmd::view::execute(&view),
+        Some(Command::Status(status)) => cmd::status::execute(&status),
         Some(Command::Render(render)) => cmd::render::execute(&render),
         Some(Command::Inspect(inspect)) => cmd::inspect::execute(&inspect),
         Some(Command::Compare(compare)) => cmd::compare::execute(&compare),
         Some(Command::Bench(bench)) => cmd::bench::execute(&bench),
         Some(Command::Scene(scene)) => cmd::scene::execute(&scene),
+        Some(Command::Key(key)) => cmd::key::execute(&key),
         None => run_command(Arguments::parse_from([
             "lie",
             "run",
@@ -90,21 +86,9 @@ fn run_command(arguments: Arguments) -> anyhow::Result<()> {
             "--frames",
             "24",
             "--log",
-            &arguments.log,
+            &arguments.logging.log,
+            "--log-format",
+            arguments.logging.log_format.name(),
         ])),
     }
-}
-
-/// Logs go to standard error; standard output is for results.
-fn start_logging(filter: &str) -> anyhow::Result<()> {
-    use failure::OrUsage;
-    let filter = tracing_subscriber::EnvFilter::try_new(filter).or_usage()?;
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_target(false)
-        .compact()
-        .init();
-    Ok(())
 }

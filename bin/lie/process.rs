@@ -2,15 +2,23 @@
 
 use std::{
     io::{Read, Write},
+    path::{Path, PathBuf},
     time::Duration,
 };
 
 use clap::Args;
-use lie_farm::network::{Exposure, NetworkError};
+use lie_farm::{
+    client::ClientError,
+    network::{Exposure, NetworkError},
+    secure::{Bundle, Cluster},
+};
 use tokio::{net::TcpListener, runtime::Runtime};
 use tokio_util::sync::CancellationToken;
 
-use crate::{args::say, failure::Usage, failure::usage};
+use crate::{
+    args::say,
+    failure::{OrUsage, Usage, usage},
+};
 
 /// How long an orderly end may take before the process ends anyhow.
 pub(crate) const PATIENCE: Duration = Duration::from_millis(700);
@@ -19,22 +27,79 @@ pub(crate) const PATIENCE: Duration = Duration::from_millis(700);
 pub(crate) const PATIENCE_TO_SAVE: Duration = Duration::from_secs(60);
 
 /// Whom a process talks to.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Network")]
 pub(crate) struct Network {
-    /// Talk to other machines too. Connections are neither encrypted nor authenticated:
-    /// only for networks on which everybody may see and change everything.
+    /// Talk to the processes that have this cluster bundle, on whichever machine, and to nobody
+    /// else; connections are encrypted. `lie key new` makes one; `-` takes it from standard
+    /// input. Without a bundle a process talks to its own machine alone.
+    #[arg(long, env = "LIE_BUNDLE", value_name = "FILE")]
+    bundle: Option<PathBuf>,
+    /// Talk to other machines without a bundle. Connections are neither encrypted nor
+    /// authenticated: only for networks on which everybody may see and change everything.
     #[arg(long, env = "LIE_INSECURE")]
-    pub(crate) insecure: bool,
+    insecure: bool,
+}
+
+/// What a user says about whom to talk to.
+pub(crate) enum Trust {
+    /// Nothing.
+    Unsaid,
+    /// Anybody.
+    Insecure,
+    /// The nodes of a cluster.
+    Bundle(Bundle),
 }
 
 impl Network {
-    pub(crate) fn exposure(self) -> Exposure {
-        if self.insecure {
-            Exposure::Insecure
-        } else {
-            Exposure::Loopback
+    /// What was said, and the bundle if one is named.
+    pub(crate) fn trust(&self) -> Result<Trust, Usage> {
+        match (&self.bundle, self.insecure) {
+            (Some(_), true) => Err(usage(
+                "--bundle and --insecure (or LIE_BUNDLE and LIE_INSECURE) exclude each other: \
+                 connections are either protected or not",
+            )),
+            (None, true) => Ok(Trust::Insecure),
+            (None, false) => Ok(Trust::Unsaid),
+            (Some(path), false) if path == Path::new("-") => {
+                Ok(Trust::Bundle(Bundle::from_standard_input().or_usage()?))
+            }
+            (Some(path), false) => Ok(Trust::Bundle(Bundle::read(path).or_usage()?)),
         }
+    }
+
+    /// How connections are protected.
+    pub(crate) fn exposure(&self) -> Result<Exposure, Usage> {
+        match self.trust()? {
+            Trust::Bundle(bundle) => Ok(Exposure::Cluster(Cluster::new(&bundle).or_usage()?)),
+            Trust::Unsaid => Ok(Exposure::Loopback),
+            Trust::Insecure => {
+                tracing::warn!(
+                    "--insecure: connections are neither encrypted nor authenticated; anybody \
+                     on the network may see and change everything"
+                );
+                Ok(Exposure::Insecure)
+            }
+        }
+    }
+}
+
+/// Where a process hands out metrics.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Monitoring")]
+pub(crate) struct Monitoring {
+    /// Hand out metrics for Prometheus at http://ADDR/metrics. A port alone is one of this machine,
+    /// for this machine; whoever can reach any other address can read them.
+    #[arg(long, value_parser = metrics_address, env = "LIE_METRICS", value_name = "ADDR")]
+    metrics: Option<String>,
+}
+
+impl Monitoring {
+    /// Listens for who wants metrics, if that is asked for. They hold no secrets, so that an address
+    /// that was named is reason enough.
+    pub(crate) fn listen(&self, runtime: &Runtime) -> anyhow::Result<Option<TcpListener>> {
+        let listen = |address: &String| listen(runtime, address, &Exposure::Insecure);
+        self.metrics.as_ref().map(listen).transpose()
     }
 }
 
@@ -57,6 +122,15 @@ pub(crate) fn address(text: &str) -> Result<String, String> {
     Ok(text.to_owned())
 }
 
+/// Parses `port` or `host:port`.
+fn metrics_address(text: &str) -> Result<String, String> {
+    match text.parse::<u16>() {
+        Ok(port) => Ok(format!("127.0.0.1:{port}")),
+        Err(_) => address(text)
+            .map_err(|_| "expected PORT or HOST:PORT, such as 9464 or 127.0.0.1:9464".to_owned()),
+    }
+}
+
 /// The threads that wait for the network; rendering and construction have their own.
 pub(crate) fn runtime() -> anyhow::Result<Runtime> {
     Ok(tokio::runtime::Builder::new_multi_thread()
@@ -74,13 +148,21 @@ pub(crate) fn network_failure(error: NetworkError) -> anyhow::Error {
     }
 }
 
+/// The same of a client's errors.
+pub(crate) fn client_failure(error: ClientError) -> anyhow::Error {
+    match error {
+        ClientError::Network(error) => network_failure(error),
+        other => other.into(),
+    }
+}
+
 /// Listens, or says why not.
 pub(crate) fn listen(
     runtime: &Runtime,
     address: &str,
-    network: Network,
+    exposure: &Exposure,
 ) -> anyhow::Result<TcpListener> {
-    let bound = runtime.block_on(lie_farm::network::bind(address, network.exposure()));
+    let bound = runtime.block_on(lie_farm::network::bind(address, exposure));
     bound.map_err(network_failure)
 }
 
@@ -93,11 +175,11 @@ pub(crate) fn announce(listener: &TcpListener) -> anyhow::Result<()> {
 
 /// A token that is cancelled when the process shall end: by an interrupt, a termination
 /// signal, or, for a supervised child, the end of standard input. A process under supervision
-/// is cut off if its end takes longer than `patience`.
+/// is cut off if its end takes longer than the patience that there is for it when it begins.
 pub(crate) fn shutdown(
     runtime: &Runtime,
     supervision: Option<Supervision>,
-    patience: Duration,
+    patience: impl Fn() -> Duration + Send + 'static,
 ) -> CancellationToken {
     let token = CancellationToken::new();
     let signalled = token.clone();
@@ -117,7 +199,7 @@ pub(crate) fn shutdown(
         let cancelled = token.clone();
         runtime.spawn(async move {
             cancelled.cancelled().await;
-            tokio::time::sleep(patience).await;
+            tokio::time::sleep(patience()).await;
             tracing::warn!("the process did not end in time and is cut off");
             std::process::exit(0);
         });
@@ -174,6 +256,16 @@ mod tests {
         }
         for wrong in ["", "7400", ":7400", "host:", "host:99999", "::1:7400"] {
             assert!(address(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn metrics_are_for_this_machine_unless_an_address_is_named() {
+        let local = Ok("127.0.0.1:9464".to_owned());
+        assert_eq!(metrics_address("9464"), local);
+        assert_eq!(metrics_address("0.0.0.0:1"), Ok("0.0.0.0:1".to_owned()));
+        for wrong in ["", ":9464", "99999", "host", "-1"] {
+            assert!(metrics_address(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -3,6 +3,11 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 pub(crate) mod bench;
+pub(crate) mod bundles;
+pub(crate) mod patience;
+pub(crate) mod proc;
+pub(crate) mod proxy;
+pub(crate) mod secured;
 
 use std::{
     io::{BufRead, BufReader, Read},
@@ -19,7 +24,17 @@ pub(crate) const LONG: Duration = Duration::from_secs(60);
 /// The binary.
 pub(crate) fn lie() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lie"));
-    command.env_remove("LIE_LOG").env_remove("LIE_LISTEN");
+    for variable in [
+        "LIE_LOG",
+        "LIE_LOG_FORMAT",
+        "LIE_LISTEN",
+        "LIE_CONSTRUCTOR",
+        "LIE_METRICS",
+        "LIE_BUNDLE",
+        "LIE_INSECURE",
+    ] {
+        command.env_remove(variable);
+    }
     command
 }
 
@@ -40,9 +55,15 @@ pub(crate) struct Process {
 impl Process {
     /// Starts a process and waits for its announcement.
     pub(crate) fn start(arguments: &[&str]) -> Self {
+        Self::start_with(arguments, &["--log", "info"])
+    }
+
+    /// The same with a log of another kind.
+    pub(crate) fn start_with(arguments: &[&str], logging: &[&str]) -> Self {
         let mut child = lie()
             .args(arguments)
-            .args(["--log", "info", "--supervised"])
+            .args(logging)
+            .arg("--supervised")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -103,6 +124,16 @@ impl Process {
     /// Hangs it.
     pub(crate) fn stop(&self) {
         signal("-STOP", self.id());
+    }
+
+    /// Lets it go on.
+    pub(crate) fn resume(&self) {
+        signal("-CONT", self.id());
+    }
+
+    /// The process itself.
+    pub(crate) fn child(&mut self) -> &mut Child {
+        &mut self.child
     }
 
     /// Ends it in order, by closing its input; says how it ended.

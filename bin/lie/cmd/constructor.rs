@@ -1,17 +1,24 @@
-use std::path::PathBuf;
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
 
 use clap::Args;
 use glam::UVec2;
 use lie_farm::{
     ConstructSettings, View,
     constructor::{self, ConstructorConfig, Freeze, Prepared},
+    network::Ports,
 };
 use lie_scene::Scene;
 
 use super::render::Construction;
 use crate::{
     args::{self, Accel},
-    process::{self, Network, Supervision},
+    process::{self, Monitoring, Network, Supervision},
 };
 
 /// Holds the scene, learns which lights reach where, and tells the shaders.
@@ -42,6 +49,8 @@ pub(crate) struct Constructor {
     lies: args::Lies,
     #[command(flatten)]
     network: Network,
+    #[command(flatten)]
+    monitoring: Monitoring,
     #[command(flatten)]
     supervision: Supervision,
 }
@@ -80,13 +89,20 @@ impl Frozen {
 
 pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
     let lies = arguments.lies.file()?;
+    let exposure = arguments.network.exposure()?;
     let runtime = process::runtime()?;
-    let patience = match lies {
-        Some(_) => process::PATIENCE_TO_SAVE,
-        None => process::PATIENCE,
+    // What is learnt before anybody connects is nothing to wait for: another start learns the same.
+    let has_to_save = Arc::new(AtomicBool::new(false));
+    let saves = has_to_save.clone();
+    let patience = move || match saves.load(Ordering::Relaxed) {
+        true => process::PATIENCE_TO_SAVE,
+        false => process::PATIENCE,
     };
     let shutdown = process::shutdown(&runtime, Some(arguments.supervision), patience);
-    let listener = process::listen(&runtime, &arguments.listen, arguments.network)?;
+    let ports = Ports {
+        farm: process::listen(&runtime, &arguments.listen, &exposure)?,
+        metrics: arguments.monitoring.listen(&runtime)?,
+    };
 
     let scene = args::load_scene(&arguments.scene)?;
     let freeze = arguments.frozen.freeze.then(|| {
@@ -96,7 +112,7 @@ pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
         })
     });
     let config = ConstructorConfig {
-        exposure: arguments.network.exposure(),
+        exposure,
         accel: arguments.accel.into(),
         construct: ConstructSettings {
             threads: process::threads(arguments.threads)?,
@@ -107,9 +123,10 @@ pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
         lies,
     };
     let prepared = Prepared::new(scene, &config)?;
+    has_to_save.store(config.lies.is_some(), Ordering::Relaxed);
 
-    process::announce(&listener)?;
-    runtime.block_on(constructor::run(config, prepared, listener, shutdown))?;
+    process::announce(&ports.farm)?;
+    runtime.block_on(constructor::run(config, prepared, ports, shutdown))?;
     runtime.shutdown_background();
     Ok(())
 }

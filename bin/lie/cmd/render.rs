@@ -229,7 +229,7 @@ pub(crate) fn execute(arguments: &Render) -> anyhow::Result<()> {
             arguments,
             &settings,
             threads,
-            build_ms,
+            (&world, build_ms),
             &frame,
             constructed.zip(expected_error),
         );
@@ -430,7 +430,7 @@ fn statistics(
     arguments: &Render,
     settings: &FrameSettings,
     threads: usize,
-    build_ms: f64,
+    (world, build_ms): (&World, f64),
     frame: &Frame,
     constructed: Option<(&Constructed, f64)>,
 ) -> serde_json::Value {
@@ -455,6 +455,9 @@ fn statistics(
         "partial_ms": stage_ms(stats.partial_ns),
         "full_ms": stage_ms(stats.full_ns),
         "build_ms": build_ms,
+        "lights": world.scene().lights.len(),
+        "triangles": world.scene().geometry.len(),
+        "accel_bytes": world.accel().bytes(),
         "construct_ms": constructed.map_or(0.0, |(constructed, _)| constructed.milliseconds),
         "primary_rays": stats.primary_rays,
         "shadow_rays": stats.shadow_rays,

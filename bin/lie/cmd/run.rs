@@ -9,6 +9,7 @@ use lie_farm::{
     client::ClientConfig,
     launch::{self, ConstructorSource, Farm, LaunchConfig},
     network::Exposure,
+    secure::{Bundle, Cluster},
     snapshot::SnapshotFile,
 };
 use lie_render::AccelKind;
@@ -16,14 +17,18 @@ use lie_render::AccelKind;
 use super::{render::Construction, walk::WalkOptions};
 use crate::{
     args::{self, Accel, Audit},
-    failure::usage,
-    process,
+    failure::{OrUsage, usage},
+    logging::Logging,
+    process::{self, Network, Trust},
 };
 
 /// Renders a walkthrough on this machine: a constructor, shaders and a client, each a
 /// process of its own, as on a cluster.
 ///
 /// Without a window: there is none yet. Frames go to `--out`, times and counts to `--stats`.
+///
+/// They talk to nobody else: a bundle is made for them that nobody else has, unless `--bundle` names
+/// another. With `--insecure` connections within this machine are as they are.
 #[derive(Args)]
 pub(crate) struct Run {
     /// A scene: .toml, .glb, .gltf or .obj, or a folder with a scene.toml.
@@ -56,9 +61,14 @@ pub(crate) struct Run {
     audit: Audit,
     #[command(flatten)]
     lies: args::Lies,
+    #[command(flatten)]
+    network: Network,
 }
 
-pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
+/// A bundle that is made for one run holds for longer than any.
+const RUN_DAYS: u32 = 365;
+
+pub(crate) fn execute(arguments: &Run, logging: &Logging) -> anyhow::Result<()> {
     if !arguments.scene.exists() {
         let scene = arguments.scene.display();
         return Err(usage(format!("{scene}: there is no such scene")).into());
@@ -66,15 +76,21 @@ pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
     let lies = arguments.lies.file()?;
     arguments.walk.prepare()?;
     let runtime = process::runtime()?;
-    let shutdown = process::shutdown(&runtime, None, process::PATIENCE);
+    let shutdown = process::shutdown(&runtime, None, || process::PATIENCE);
     let bar = arguments.walk.progress_bar();
-    let launch = launch_config(arguments, lies, log, bar.clone())?;
+    let bundle = bundle(&arguments.network)?;
+    let exposure = match &bundle {
+        Some(bundle) => Exposure::Cluster(Cluster::new(bundle).or_usage()?),
+        None => Exposure::Loopback,
+    };
+    let mut launch = launch_config(arguments, lies, logging, bar.clone())?;
+    launch.bundle = bundle.map(|bundle| bundle.to_pem());
     let result = runtime.block_on(async {
         let farm = tokio::select! {
             started = Farm::start(launch) => started?,
             () = shutdown.cancelled() => anyhow::bail!("interrupted"),
         };
-        let config = ClientConfig::new(farm.address(), Exposure::Loopback);
+        let config = ClientConfig::new(farm.address(), exposure);
         let walked = tokio::select! {
             walked = arguments.walk.take(config, arguments.shaders, farm.living_shaders(), &bar) => walked,
             () = shutdown.cancelled() => Err(anyhow::anyhow!("interrupted")),
@@ -87,14 +103,33 @@ pub(crate) fn execute(arguments: &Run, log: &str) -> anyhow::Result<()> {
     arguments.walk.conclude(&result?)
 }
 
+/// What protects the connections of this run; nothing with `--insecure`.
+fn bundle(network: &Network) -> anyhow::Result<Option<Bundle>> {
+    Ok(match network.trust()? {
+        Trust::Bundle(bundle) => Some(bundle),
+        Trust::Unsaid => Some(Bundle::issue(RUN_DAYS)?),
+        Trust::Insecure => None,
+    })
+}
+
+/// A child logs as we do.
+fn log_arguments(logging: &Logging) -> [OsString; 4] {
+    [
+        "--log".into(),
+        logging.log.clone().into(),
+        "--log-format".into(),
+        logging.log_format.name().into(),
+    ]
+}
+
 fn launch_config(
     arguments: &Run,
     lies: Option<SnapshotFile>,
-    log: &str,
+    logging: &Logging,
     bar: ProgressBar,
 ) -> anyhow::Result<LaunchConfig> {
     let mut constructor: Vec<OsString> = vec!["constructor".into(), arguments.scene.clone().into()];
-    constructor.extend(["--log".into(), log.into()]);
+    constructor.extend(log_arguments(logging));
     constructor.extend(["--listen".into(), "127.0.0.1:0".into()]);
     let threads = process::threads(arguments.construct_threads)?;
     constructor.extend(["--threads".into(), threads.to_string().into()]);
@@ -121,25 +156,30 @@ fn launch_config(
         threads => process::threads(threads)?,
     };
     let mut shader: Vec<OsString> = vec!["shader".into()];
-    shader.extend(["--log".into(), log.into()]);
+    shader.extend(log_arguments(logging));
+    // Nobody else is to come.
+    shader.extend(["--listen".into(), "127.0.0.1:0".into()]);
     shader.extend(["--threads".into(), threads.to_string().into()]);
     shader.extend(["--accel".into(), accel.into()]);
     shader.extend(["--audit".into(), arguments.audit.audit.to_string().into()]);
     if let Some(cache) = &arguments.cache {
         shader.extend(["--cache".into(), cache.into()]);
     }
+    let format = logging.log_format;
     Ok(LaunchConfig {
         program: std::env::current_exe().context("cannot find this program")?,
         constructor: ConstructorSource::Started(constructor),
         shader,
         shaders: arguments.shaders as usize,
+        bundle: None,
         constructor_grace: match lies {
             Some(_) => process::PATIENCE_TO_SAVE,
             None => launch::GRACE,
         },
         log: Arc::new(move |who, line| {
             // Nothing is left to do if standard error is closed.
-            bar.suspend(|| drop(writeln!(std::io::stderr(), "{who:>11} | {line}")));
+            let line = format.passed_on(who, line);
+            bar.suspend(|| drop(writeln!(std::io::stderr(), "{line}")));
         }),
     })
 }

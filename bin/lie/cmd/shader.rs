@@ -3,12 +3,13 @@ use std::path::PathBuf;
 use clap::Args;
 use lie_farm::{
     cache::SceneCache,
+    network::{Exposure, Ports},
     shader::{self, ShaderConfig, ShaderError},
 };
 
 use crate::{
     args::{Accel, Audit},
-    process::{self, Network, Supervision},
+    process::{self, Monitoring, Network, Supervision},
 };
 
 /// Renders tiles for clients with what the constructor has learnt.
@@ -21,7 +22,7 @@ pub(crate) struct Shader {
     #[arg(long, value_parser = process::address, env = "LIE_CONSTRUCTOR", value_name = "ADDR")]
     constructor: String,
     /// Where to take clients; by default any free port, on this machine alone, or on all
-    /// networks with `--insecure`.
+    /// networks with `--bundle` or `--insecure`.
     #[arg(long, value_parser = process::address, value_name = "ADDR")]
     listen: Option<String>,
     /// Threads that render; 0 is one for each core.
@@ -41,29 +42,34 @@ pub(crate) struct Shader {
     #[command(flatten)]
     network: Network,
     #[command(flatten)]
+    monitoring: Monitoring,
+    #[command(flatten)]
     supervision: Supervision,
 }
 
 pub(crate) fn execute(arguments: &Shader) -> anyhow::Result<()> {
+    let exposure = arguments.network.exposure()?;
     let runtime = process::runtime()?;
-    let shutdown = process::shutdown(&runtime, Some(arguments.supervision), process::PATIENCE);
-    let any = if arguments.network.insecure {
-        "0.0.0.0:0"
-    } else {
-        "127.0.0.1:0"
+    let shutdown = process::shutdown(&runtime, Some(arguments.supervision), || process::PATIENCE);
+    let any = match exposure {
+        Exposure::Loopback => "127.0.0.1:0",
+        Exposure::Insecure | Exposure::Cluster(_) => "0.0.0.0:0",
     };
     let address = arguments.listen.as_deref().unwrap_or(any);
-    let listener = process::listen(&runtime, address, arguments.network)?;
+    let ports = Ports {
+        farm: process::listen(&runtime, address, &exposure)?,
+        metrics: arguments.monitoring.listen(&runtime)?,
+    };
     let config = ShaderConfig {
         constructor: arguments.constructor.clone(),
-        exposure: arguments.network.exposure(),
+        exposure,
         threads: process::threads(arguments.threads)?,
         accel: arguments.accel.into(),
         audit: arguments.audit.audit,
         cache: open_cache(arguments),
     };
-    process::announce(&listener)?;
-    let ended = runtime.block_on(shader::run(config, listener, shutdown));
+    process::announce(&ports.farm)?;
+    let ended = runtime.block_on(shader::run(config, ports, shutdown));
     runtime.shutdown_background();
     ended.map_err(|error| match error {
         ShaderError::Constructor(error) => process::network_failure(error),

@@ -24,10 +24,11 @@ pub(crate) struct View {
 
 pub(crate) fn execute(arguments: &View) -> anyhow::Result<()> {
     arguments.walk.prepare()?;
+    let exposure = arguments.network.exposure()?;
     let runtime = process::runtime()?;
-    let shutdown = process::shutdown(&runtime, None, process::PATIENCE);
+    let shutdown = process::shutdown(&runtime, None, || process::PATIENCE);
     let bar = arguments.walk.progress_bar();
-    let config = ClientConfig::new(&arguments.constructor, arguments.network.exposure());
+    let config = ClientConfig::new(&arguments.constructor, exposure);
     // Who they are is not for us to say: all are waited for.
     let (_all, living) = watch::channel(arguments.wait_shaders as usize);
     let result = runtime.block_on(async {

@@ -24,6 +24,7 @@ use tokio::sync::watch;
 use crate::{
     args::{self, Precision, compression, say, write_json},
     failure::{OrUsage, usage},
+    process,
 };
 pub(crate) use report::Report;
 
@@ -40,6 +41,10 @@ pub(crate) struct WalkOptions {
     /// Frames, evenly spread over the walkthrough.
     #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1_000_000), value_name = "N")]
     frames: u32,
+    /// Begin with this frame, counted from 0, and leave out those before it: to go on with a
+    /// walkthrough that was cut off.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    first: u32,
     /// Where to write the frames, as frame-0000.exr and so on.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -112,6 +117,11 @@ impl WalkOptions {
         if !self.settle.as_ref().is_none_or(possible) {
             return Err(usage("--settle takes a number of seconds").into());
         }
+        if self.first >= self.frames {
+            let (first, frames) = (self.first, self.frames);
+            let complaint = format!("--first {first}: there are {frames} frames, counted from 0");
+            return Err(usage(complaint).into());
+        }
         if let Some(directory) = &self.out {
             std::fs::create_dir_all(directory)
                 .with_context(|| format!("cannot make {}", directory.display()))?;
@@ -128,11 +138,14 @@ impl WalkOptions {
         mut living: watch::Receiver<usize>,
         bar: &ProgressBar,
     ) -> anyhow::Result<Report> {
-        let mut client = Client::connect(config).await?;
+        let mut client = Client::connect(config)
+            .await
+            .map_err(process::client_failure)?;
         let settings = self.render_settings(client.scene())?;
         let path = path(self.walk.as_deref(), client.scene())?;
         let config = WalkConfig {
             frames: self.frames,
+            first: self.first,
             settle: self.settle.map(Duration::from_secs_f32),
             frame: FrameRequest {
                 camera: path.camera_at(0.0),

@@ -69,7 +69,7 @@ impl Bvh {
             nodes: self.nodes.len(),
             blocks: self.blocks.len(),
             triangles: self.blocks.iter().map(TriangleBlock::len).sum(),
-            bytes: size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]),
+            bytes: self.bytes(),
         }
     }
 }
@@ -101,6 +101,10 @@ impl Accel for Bvh {
 
     fn blocker_packet(&self, packet: &RayPacket) -> [Option<u32>; PACKET] {
         packet::blockers(self, packet)
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
     }
 }
 

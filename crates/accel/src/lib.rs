@@ -7,6 +7,7 @@
 //! vector unit the machine has, so results are the same bits everywhere: no fused
 //! multiply-adds, and of two hits at the same distance the smaller triangle index wins.
 //! Vector code is chosen at run time (`fearless_simd`, `multiversion`); no compiler flags are needed.
+//! With the feature `choose-unit` benchmarks may choose as well (`VectorUnit`).
 //!
 //! This crate is the only one that knows obvhs.
 //!
@@ -35,10 +36,14 @@ mod grid;
 mod kind;
 mod mesh_edges;
 mod node;
+#[cfg(test)]
+mod odd_input;
 mod packet;
 mod shaft;
 mod single;
 mod stack;
+#[cfg(any(test, feature = "choose-unit"))]
+mod vector_unit;
 
 pub use bvh::{Bvh, BvhStats};
 pub use cutout::Cutout;
@@ -47,10 +52,15 @@ pub use kind::AccelKind;
 pub use mesh_edges::MeshEdges;
 pub use packet::{BlockPart, FanOccluders, OccluderBlocks, PACKET, RayPacket};
 pub use shaft::{BoxShaft, Shaft};
+#[cfg(any(test, feature = "choose-unit"))]
+pub use vector_unit::VectorUnit;
 
 use lie_geom::{Hit, Ray};
 
 /// A structure that finds which triangles a ray hits.
+///
+/// Intervals of rays begin at 0 or after it: what is behind an origin may be passed over. So may a hit within
+/// a few units in the last place of where a ray ends, and what is further than 1e29 times a direction.
 pub trait Accel: Send + Sync {
     /// The closest hit inside the ray's interval.
     fn closest(&self, ray: &Ray) -> Option<Hit>;
@@ -86,4 +96,7 @@ pub trait Accel: Send + Sync {
     /// For each ray of a packet some triangle inside its interval, not necessarily the
     /// closest, nor the one that [`Self::blocker`] names.
     fn blocker_packet(&self, packet: &RayPacket) -> [Option<u32>; PACKET];
+
+    /// Memory of the structure in bytes, with the copies of triangles in it.
+    fn bytes(&self) -> usize;
 }

@@ -21,6 +21,14 @@ pub enum BenchError {
     /// A farm has no frame.
     #[error(transparent)]
     Farm(#[from] lie_farm::client::ClientError),
+    /// A report that something is to be put into could not be read.
+    #[error("cannot read {path}: {source}")]
+    Read {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
     /// A file or folder could not be written.
     #[error("cannot write {path}: {source}")]
     Write {

@@ -8,7 +8,7 @@ use glam::UVec2;
 use lie_render::AccelKind;
 use lie_scene::{Mosque, Rooms, Scene};
 
-pub use self::show::{json, section, table};
+pub use self::show::{HEADING, json, section, table};
 use crate::{Contender, FrameRow, Stage, race::milliseconds};
 
 /// Who renders.
@@ -42,6 +42,7 @@ pub struct Step {
     stage: Stage,
     build_ms: f64,
     resident_bytes: Option<u64>,
+    peak_bytes: Option<u64>,
 }
 
 /// One frame of a step.
@@ -55,9 +56,15 @@ pub struct GrowthRow {
     pub triangles: usize,
     /// Time in which the scene and its hierarchy were made, in milliseconds.
     pub build_ms: f64,
+    /// The hierarchy's part of it.
+    pub accel_build_ms: f64,
+    /// Memory of the hierarchy.
+    pub accel_bytes: u64,
     /// Memory of the whole process once the scene was there and its LIEs were not; `None` where
     /// the system does not say.
     pub resident_bytes: Option<u64>,
+    /// The most that it had until then.
+    pub peak_bytes: Option<u64>,
     /// What was measured.
     pub frame: FrameRow,
 }
@@ -115,7 +122,8 @@ impl Step {
             axis,
             stage,
             build_ms: milliseconds(clock.elapsed()),
-            resident_bytes: resident_bytes(),
+            resident_bytes: status_bytes("VmRSS:"),
+            peak_bytes: status_bytes("VmHWM:"),
         })
     }
 
@@ -134,7 +142,10 @@ impl Step {
             lights: scene.lights.len(),
             triangles: scene.geometry.len(),
             build_ms: self.build_ms,
+            accel_build_ms: self.stage.build_ms(),
+            accel_bytes: self.stage.world().accel().bytes() as u64,
             resident_bytes: self.resident_bytes,
+            peak_bytes: self.peak_bytes,
             frame,
         };
         frames.into_iter().map(row).collect()
@@ -165,16 +176,16 @@ fn mosque_of(triangles: u64) -> Scene {
         })
     };
     let mut detail = mosque_detail(triangles as f32 * 1.0e-6);
-    let mut scene = make(detail);
     for _ in 1..TRIES {
+        let scene = make(detail);
         let share = triangles as f32 / scene.geometry.len() as f32;
         if (share - 1.0).abs() < 0.05 {
-            break;
+            return scene;
         }
+        // It is gone before the next is made: there may be memory for one alone.
         detail *= share.sqrt();
-        scene = make(detail);
     }
-    scene
+    make(detail)
 }
 
 /// The mosque's detail for so many million triangles: what solves the polynomial that gives their
@@ -186,10 +197,11 @@ fn mosque_detail(millions: f32) -> f32 {
     (root - linear) / (2.0 * square)
 }
 
-/// Memory of this process that is not on disk, where Linux says so.
-fn resident_bytes() -> Option<u64> {
+/// Memory of this process that is not on disk, now (`VmRSS:`) or at its most (`VmHWM:`), where
+/// Linux says so.
+fn status_bytes(key: &str) -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
+    let line = status.lines().find(|line| line.starts_with(key))?;
     let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(1024 * kibibytes)
 }
@@ -236,7 +248,9 @@ mod tests {
         let rows = step.rows(crate::table1::tests::rows());
         assert!(
             rows.iter()
-                .all(|row| row.lights == 20 && row.build_ms > 0.0)
+                .all(|row| row.lights == 20 && row.build_ms > row.accel_build_ms)
         );
+        assert!(rows.iter().all(|row| row.accel_bytes > 0));
+        assert!(rows.iter().all(|row| row.peak_bytes >= row.resident_bytes));
     }
 }

@@ -5,6 +5,7 @@
 //! * [`measure_frames`] renders a view by a [`Lineup`] of contenders in turn: [`table1`] and
 //!   [`table2`] make the paper's tables of its [`FrameRow`]s, with the paper's own figures
 //!   ([`paper`]) beside ours.
+//! * [`builds`] says what the acceleration structures take.
 //! * [`figure4`] shows what each pixel costs, as the paper's Figure 4.
 //! * [`converge`] follows error and frame time while LIEs are constructed.
 //! * [`growth`] measures frames over the number of lights and of triangles.
@@ -46,6 +47,7 @@ mod spread;
 mod stage;
 mod table;
 
+pub mod builds;
 pub mod converge;
 pub mod farm;
 pub mod figure4;

@@ -1,4 +1,9 @@
-use std::{fs, path::Path};
+mod kept;
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
 
 use lie_render::{Film, ToneMap, write_png};
 
@@ -68,21 +73,27 @@ impl Report {
     /// # Errors
     /// If a file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), BenchError> {
-        let folder = path.with_extension("");
-        let failed = |path: &Path, source| BenchError::Write {
-            path: path.to_owned(),
-            source,
+        self.rewrite(path, &[])
+    }
+
+    /// The same, but what the file has under the headings `keep` stays, after everything else.
+    ///
+    /// # Errors
+    /// If a file cannot be written, or read.
+    pub fn rewrite(&self, path: &Path, keep: &[&str]) -> Result<(), BenchError> {
+        let before = if keep.is_empty() {
+            String::new()
+        } else {
+            read(path)?
         };
-        fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
-        for figure in self.sections.iter().flat_map(Section::all_figures) {
-            let file = folder.join(&figure.name);
-            match &figure.picture {
-                Picture::Svg(svg) => fs::write(&file, svg).map_err(|error| failed(&file, error))?,
-                Picture::Frame(film, tone_map) => write_png(&file, film, tone_map)?,
+        let folder = write_figures(path, self.sections.iter().flat_map(Section::all_figures))?;
+        let mut text = self.markdown(&folder);
+        for heading in keep {
+            if let Some(section) = kept::find(&before, heading) {
+                text = kept::put(&text, heading, section);
             }
         }
-        let name = folder.file_name().unwrap_or_default().to_string_lossy();
-        fs::write(path, self.markdown(&name)).map_err(|error| failed(path, error))
+        write(path, &text)
     }
 
     /// The text; `folder` is where the pictures are, seen from it.
@@ -150,6 +161,18 @@ impl Panel {
 }
 
 impl Section {
+    /// Puts the section into the report at `path`, in the place of its own of that heading or after
+    /// all others, and its pictures into the report's folder.
+    ///
+    /// # Errors
+    /// If the report cannot be read, or something not written.
+    pub fn put_into(&self, path: &Path) -> Result<(), BenchError> {
+        let before = read(path)?;
+        let folder = write_figures(path, self.all_figures())?;
+        let section = self.markdown(&folder);
+        write(path, &kept::put(&before, &self.heading, &section))
+    }
+
     fn markdown(&self, folder: &str) -> String {
         let mut parts = vec![format!("## {}\n", self.heading)];
         parts.extend(self.paragraphs.iter().map(|text| format!("{text}\n")));
@@ -168,6 +191,46 @@ impl Section {
     }
 }
 
+/// Writes pictures into the folder of a report, and says its name.
+fn write_figures<'a>(
+    report: &Path,
+    figures: impl Iterator<Item = &'a Figure>,
+) -> Result<String, BenchError> {
+    let folder = report.with_extension("");
+    fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
+    for figure in figures {
+        let file = folder.join(&figure.name);
+        match &figure.picture {
+            Picture::Svg(svg) => write(&file, svg)?,
+            Picture::Frame(film, tone_map) => write_png(&file, film, tone_map)?,
+        }
+    }
+    let name = folder.file_name().unwrap_or_default();
+    Ok(name.to_string_lossy().into_owned())
+}
+
+/// What is in a file; nothing if it is not there.
+fn read(path: &Path) -> Result<String, BenchError> {
+    match fs::read_to_string(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(String::new()),
+        read => read.map_err(|source| BenchError::Read {
+            path: PathBuf::from(path),
+            source,
+        }),
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), BenchError> {
+    fs::write(path, text).map_err(|error| failed(path, error))
+}
+
+fn failed(path: &Path, source: io::Error) -> BenchError {
+    BenchError::Write {
+        path: path.to_owned(),
+        source,
+    }
+}
+
 /// A name of letters, digits and hyphens: what a scene's name becomes in a file's.
 pub(crate) fn file_stem(name: &str) -> String {
     let safe = |c: char| {
@@ -181,84 +244,4 @@ pub(crate) fn file_stem(name: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::UVec2;
-
-    fn report() -> Report {
-        let mut table = Table::new(&["scene"], &["ms"]);
-        table.push(["bar".to_owned(), "12".to_owned()]);
-        let figure = |name: &str, picture| Figure {
-            name: name.to_owned(),
-            caption: "A caption.".to_owned(),
-            picture,
-        };
-        let tone_map = ToneMap {
-            exposure_stops: 0.0,
-            curve: lie_render::ToneCurve::Aces,
-        };
-        let frame = Picture::Frame(Film::new(UVec2::splat(2)), tone_map);
-        Report {
-            title: "Results".to_owned(),
-            command_line: "lie bench table1".to_owned(),
-            machine: Machine::here(),
-            sections: vec![Section {
-                heading: "Times".to_owned(),
-                paragraphs: vec!["Of frames.".to_owned()],
-                tables: vec![table],
-                figures: vec![
-                    figure("plot.svg", Picture::Svg("<svg/>".to_owned())),
-                    figure("bar.png", frame),
-                ],
-                panels: vec![Panel {
-                    columns: 2,
-                    figures: ["a.svg", "b.svg", "c d.svg"]
-                        .map(|name| figure(name, Picture::Svg(String::new())))
-                        .into(),
-                }],
-            }],
-        }
-    }
-
-    #[test]
-    fn a_report_names_its_machine_and_links_its_pictures() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("results.md");
-        report().write(&path).unwrap();
-        let text = fs::read_to_string(&path).unwrap();
-        for part in [
-            "# Results",
-            "    lie bench table1",
-            "| cores |",
-            "## Times",
-            "| bar | 12 |",
-        ] {
-            assert!(text.contains(part), "{part} in {text}");
-        }
-        for name in ["plot.svg", "bar.png", "a.svg", "b.svg", "c d.svg"] {
-            let link = name.replace(' ', "%20");
-            assert!(text.contains(&format!("](results/{link})")), "{text}");
-            assert!(folder.path().join("results").join(name).exists());
-        }
-        let panel = "| A caption. | A caption. |\n|---|---|\n\
-                     | ![A caption.](results/a.svg) | ![A caption.](results/b.svg) |\n\
-                     | A caption. |  |\n| ![A caption.](results/c%20d.svg) |  |\n";
-        assert!(text.contains(panel), "{text}");
-    }
-
-    #[test]
-    fn what_cannot_be_written_is_named() {
-        let folder = tempfile::tempdir().unwrap();
-        let blocked = folder.path().join("results");
-        fs::write(&blocked, "a file").unwrap();
-        let error = report()
-            .write(&folder.path().join("results.md"))
-            .unwrap_err();
-        assert!(error.to_string().contains("results"), "{error}");
-    }
-
-    #[test]
-    fn file_names_are_harmless() {
-        assert_eq!(file_stem("../Café & bar"), "---caf----bar");
-    }
-}
+mod tests;

@@ -1,18 +1,22 @@
-use std::sync::Arc;
+use std::{sync::Arc, time::Instant};
 
 use glam::UVec2;
 use lie_farm::View;
 use lie_render::{AccelKind, FrameSettings, ToneMap, World};
 use lie_scene::{Camera, Scene};
 
+use crate::race::milliseconds;
+
 /// A view of a scene, ready to be measured.
 #[derive(Clone)]
 pub struct Stage {
     path: String,
+    scene: Arc<Scene>,
     world: Arc<World>,
     camera: Camera,
     settings: FrameSettings,
     accel: AccelKind,
+    build_ms: f64,
 }
 
 impl Stage {
@@ -30,12 +34,16 @@ impl Stage {
             size,
             ..FrameSettings::new(&scene.settings)
         };
+        let clock = Instant::now();
+        let world = Arc::new(World::with_accel(scene.clone(), accel));
         Self {
             path: path.into(),
-            world: Arc::new(World::with_accel(scene, accel)),
+            scene,
+            world,
             camera,
             settings,
             accel,
+            build_ms: milliseconds(clock.elapsed()),
         }
     }
 
@@ -72,6 +80,11 @@ impl Stage {
         &self.path
     }
 
+    /// The scene.
+    pub(crate) fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
     /// The scene with its acceleration structure.
     #[must_use]
     pub fn world(&self) -> &Arc<World> {
@@ -94,6 +107,12 @@ impl Stage {
     #[must_use]
     pub fn accel(&self) -> AccelKind {
         self.accel
+    }
+
+    /// Time in which that was built, once, on all threads at hand, in milliseconds.
+    #[must_use]
+    pub fn build_ms(&self) -> f64 {
+        self.build_ms
     }
 
     /// How its pictures are shown.

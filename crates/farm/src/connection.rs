@@ -1,6 +1,8 @@
-//! Messages over any stream of bytes. What the stream is (TCP now) is nobody's business here.
+//! Messages over any stream of bytes. What the stream is (TCP, with TLS or without) is nobody's
+//! business here.
 
 use std::{
+    io::ErrorKind,
     sync::{
         Arc,
         atomic::{AtomicU64, Ordering},
@@ -14,11 +16,14 @@ use tokio::{
     time::{Instant, timeout, timeout_at},
 };
 
+use crate::secure::HandshakeFailure;
+
 /// How often each side shows that it lives.
 pub const PING_EVERY: Duration = Duration::from_secs(1);
 /// Silence (not a single byte) after which the peer counts as dead.
 pub const DEAD_AFTER: Duration = Duration::from_secs(5);
-/// How long a connection may take from the first byte to the welcome.
+/// How long a connection may take to be made and secured, up to the hello; and from there to the
+/// answer.
 pub const HANDSHAKE_DEADLINE: Duration = Duration::from_secs(5);
 
 /// Room for one read, and most bytes moved by one write.
@@ -31,6 +36,12 @@ pub enum LinkError {
     /// The network failed.
     #[error("the connection failed: {0}")]
     Io(std::io::Error),
+    /// The two do not belong to one cluster, or one of them does not use TLS.
+    #[error(transparent)]
+    Handshake(#[from] HandshakeFailure),
+    /// The peer is of another build.
+    #[error("the peer says: {0}")]
+    Version(Text),
     /// What came is no message, or what was to go is none.
     #[error(transparent)]
     Protocol(#[from] ProtocolError),
@@ -46,30 +57,88 @@ pub enum LinkError {
     /// The peer did not let us in, or left with a word.
     #[error("the peer says: {0}")]
     Refused(Text),
+    /// We did not let the peer in.
+    #[error("refused: {0}")]
+    NotTaken(Text),
+    /// We did not let the peer in, since it is of another build.
+    #[error("refused: {0}")]
+    OtherVersion(Text),
+    /// Others have got the place of one that did not say what it is.
+    #[error("it said no hello while others waited for its place")]
+    CrowdedOut,
     /// A well-formed message that breaks the rules.
     #[error("the peer broke the protocol: {0}")]
     Rules(String),
 }
 
+impl LinkError {
+    /// Whether the peer cannot be talked to until somebody changes one of the two sides.
+    #[must_use]
+    pub fn is_lasting(&self) -> bool {
+        match self {
+            // What TLS fails by otherwise may have happened on the way.
+            Self::Handshake(failure) => !matches!(failure, HandshakeFailure::Other(_)),
+            Self::Version(_) => true,
+            Self::Protocol(error) => {
+                matches!(
+                    error,
+                    ProtocolError::Magic(_) | ProtocolError::Version { .. }
+                )
+            }
+            _ => false,
+        }
+    }
+}
+
 impl From<std::io::Error> for LinkError {
     fn from(error: std::io::Error) -> Self {
-        Self::Io(error)
+        match HandshakeFailure::of(&error) {
+            Some(failure) => Self::Handshake(failure),
+            // A process that was killed takes no leave of TLS, and its system resets connections
+            // on which it had something left to read. Nothing can be cut short by that: every
+            // message says how long it is.
+            None => match error.kind() {
+                ErrorKind::UnexpectedEof | ErrorKind::ConnectionReset | ErrorKind::BrokenPipe => {
+                    Self::Closed
+                }
+                _ => Self::Io(error),
+            },
+        }
     }
 }
 
 /// Bytes that went through, for statistics.
 #[derive(Clone, Debug, Default)]
-pub struct ByteCount(Arc<AtomicU64>);
+pub struct ByteCount(Arc<Count>);
+
+#[derive(Debug, Default)]
+struct Count {
+    bytes: AtomicU64,
+    /// What counts the same bytes, among others.
+    total: Option<ByteCount>,
+}
 
 impl ByteCount {
     /// The count so far.
     #[must_use]
     pub fn get(&self) -> u64 {
-        self.0.load(Ordering::Relaxed)
+        self.0.bytes.load(Ordering::Relaxed)
+    }
+
+    /// A count from zero, which `total` takes part in.
+    #[must_use]
+    pub fn within(total: &Self) -> Self {
+        Self(Arc::new(Count {
+            bytes: AtomicU64::new(0),
+            total: Some(total.clone()),
+        }))
     }
 
     fn add(&self, bytes: usize) {
-        self.0.fetch_add(bytes as u64, Ordering::Relaxed);
+        self.0.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
+        if let Some(total) = &self.0.total {
+            total.add(bytes);
+        }
     }
 }
 
@@ -99,6 +168,17 @@ impl<R: AsyncRead + Unpin> Receiver<R> {
     #[must_use]
     pub fn count(&self) -> ByteCount {
         self.count.clone()
+    }
+
+    /// Counts into `total` from now on, which others may count into as well.
+    pub fn count_into(&mut self, total: &ByteCount) {
+        self.count = total.clone();
+    }
+
+    /// The protocol version of the peer, once it has said something.
+    #[must_use]
+    pub fn peer_version(&self) -> Option<u16> {
+        self.decoder.peer_version()
     }
 
     /// The next message. May be dropped while it waits, without loss.
@@ -173,7 +253,10 @@ impl<W: AsyncWrite + Unpin> Sender<W> {
             }
             rest = &rest[taken..];
         }
-        self.stream.flush().await?;
+        // TLS may hold back some records, and those are few.
+        timeout(DEAD_AFTER, self.stream.flush())
+            .await
+            .map_err(|_| LinkError::Stuck(DEAD_AFTER))??;
         self.count.add(self.bytes.len());
         Ok(())
     }
@@ -214,6 +297,15 @@ mod tests {
         let _far = trickle.await.unwrap();
         let silent = receiver.receive::<ClientToShader>().await;
         assert!(matches!(silent, Err(LinkError::Silent(_))), "{silent:?}");
+    }
+
+    #[test]
+    fn what_is_counted_for_one_is_counted_for_all() {
+        let total = ByteCount::default();
+        let (one, other) = (ByteCount::within(&total), ByteCount::within(&total));
+        one.add(3);
+        other.add(4);
+        assert_eq!((one.get(), other.get(), total.get()), (3, 4, 7));
     }
 
     #[tokio::test(start_paused = true)]

@@ -1,12 +1,15 @@
 //! How connections open, from both sides.
 
-use lie_protocol::{Hello, Message, Opening, PROTOCOL_VERSION, Refuse, Role, Text};
+use lie_protocol::{Hello, Message, Opening, PROTOCOL_VERSION, ProtocolError, Refuse, Role, Text};
 use tokio::{
     io::{AsyncRead, AsyncWrite},
     time::timeout,
 };
 
-use crate::connection::{HANDSHAKE_DEADLINE, LinkError, Receiver, Sender};
+use crate::{
+    connection::{HANDSHAKE_DEADLINE, LinkError, Receiver, Sender},
+    secure::HandshakeFailure,
+};
 
 /// The build, for people on the other side.
 #[must_use]
@@ -44,7 +47,10 @@ where
     match opening {
         Opening::Hello(hello) => match hello.check_version(build().as_str()) {
             Ok(()) => Ok(hello),
-            Err(refusal) => Err(refuse(sender, refusal).await),
+            Err(refusal) => Err(match refuse(sender, refusal).await {
+                LinkError::NotTaken(reason) => LinkError::OtherVersion(reason),
+                failed => failed,
+            }),
         },
         Opening::Refuse(refusal) => Err(LinkError::Refused(refusal.reason)),
     }
@@ -52,7 +58,7 @@ where
 
 /// Tells the peer why it is not welcome; returns the same as an error for the log.
 pub async fn refuse<W: AsyncWrite + Unpin>(sender: &mut Sender<W>, refusal: Refuse) -> LinkError {
-    let error = LinkError::Rules(format!("refused: {}", refusal.reason));
+    let error = LinkError::NotTaken(refusal.reason.clone());
     match sender.send(&Opening::Refuse(refusal)).await {
         Ok(()) => error,
         Err(failed) => failed,
@@ -73,10 +79,25 @@ where
     R: AsyncRead + Unpin,
     W: AsyncWrite + Unpin,
 {
-    timeout(HANDSHAKE_DEADLINE, async {
+    let answer = timeout(HANDSHAKE_DEADLINE, async {
         sender.send(&Opening::Hello(hello)).await?;
         receiver.receive().await
     })
     .await
-    .map_err(|_| LinkError::Silent(HANDSHAKE_DEADLINE))?
+    .map_err(|_| LinkError::Silent(HANDSHAKE_DEADLINE))?;
+    match answer {
+        // A record of TLS: an alert, or part of a handshake.
+        Err(LinkError::Protocol(ProtocolError::Magic([20..=23, 3, ..]))) => {
+            Err(HandshakeFailure::UnexpectedTls.into())
+        }
+        answer => answer,
+    }
+}
+
+/// The error of a refusal that answered our hello.
+pub fn refused<R: AsyncRead + Unpin>(receiver: &Receiver<R>, refusal: Refuse) -> LinkError {
+    match receiver.peer_version() {
+        Some(PROTOCOL_VERSION) | None => LinkError::Refused(refusal.reason),
+        Some(_) => LinkError::Version(refusal.reason),
+    }
 }

@@ -1,7 +1,8 @@
 //! A constructor and its shaders as children of this process, on this machine.
 //!
 //! Each child runs with `--supervised` and its standard input held open by us: when we end,
-//! even by `kill -9`, the input closes and the child ends too. A child announces where it
+//! even by `kill -9`, the input closes and the child ends too. By the same input it is given its
+//! bundle, which so is in no file, argument or environment. A child announces where it
 //! listens by a line `listening ADDR`, the only thing it ever prints; its log is passed on
 //! line by line.
 
@@ -14,7 +15,7 @@ use std::{
 };
 
 use tokio::{
-    io::{AsyncBufReadExt, AsyncRead, BufReader, Lines},
+    io::{AsyncBufReadExt, AsyncRead, AsyncWriteExt, BufReader, Lines},
     process::{Child, ChildStdout, Command},
     sync::watch,
     task::JoinSet,
@@ -42,6 +43,8 @@ pub struct LaunchConfig {
     pub shader: Vec<OsString>,
     /// How many shaders.
     pub shaders: usize,
+    /// What every child gets as its bundle; without one, they use plain connections.
+    pub bundle: Option<String>,
     /// How long the constructor may take to end by itself.
     pub constructor_grace: Duration,
     /// Where the children's logs go.
@@ -185,7 +188,8 @@ impl Children {
         config: &LaunchConfig,
         arguments: &[OsString],
     ) -> Result<String, LaunchError> {
-        let mut child = spawn(config, arguments).map_err(|cause| LaunchError::Start {
+        let started = spawn(config, arguments).await;
+        let mut child = started.map_err(|cause| LaunchError::Start {
             who: who.to_owned(),
             program: config.program.clone(),
             cause,
@@ -221,11 +225,15 @@ impl Children {
     }
 }
 
-fn spawn(config: &LaunchConfig, arguments: &[OsString]) -> std::io::Result<Child> {
+async fn spawn(config: &LaunchConfig, arguments: &[OsString]) -> std::io::Result<Child> {
     let mut command = Command::new(&config.program);
     command
         .args(arguments)
         .arg("--supervised")
+        // These are for us; the children get what we decide.
+        .env_remove("LIE_BUNDLE")
+        .env_remove("LIE_INSECURE")
+        .env_remove("LIE_METRICS")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -233,7 +241,18 @@ fn spawn(config: &LaunchConfig, arguments: &[OsString]) -> std::io::Result<Child
     // An interrupt from the terminal is for us; we end the children in order.
     #[cfg(unix)]
     command.process_group(0);
-    command.spawn()
+    let Some(bundle) = &config.bundle else {
+        return command.spawn();
+    };
+    let mut child = command.args(["--bundle", "-"]).spawn()?;
+    if let Some(input) = &mut child.stdin {
+        match input.write_all(bundle.as_bytes()).await {
+            // It has ended already: its log and its status say why.
+            Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => return Err(error),
+            _ => {}
+        }
+    }
+    Ok(child)
 }
 
 async fn first_line(stdout: Option<ChildStdout>) -> Option<String> {

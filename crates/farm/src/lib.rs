@@ -6,7 +6,8 @@
 //! * [`scheduler::Scheduler`] decides who renders which tile, and [`scene_blob`] and
 //!   [`cache`] bring the scene to the shaders; [`snapshot`] keeps LIEs over restarts.
 //! * [`connection`], [`handshake`], [`network`] and [`outbox`] are what every connection
-//!   has: nothing above them knows that it is TCP.
+//!   has: nothing above them knows that it is TCP. [`secure`] is who belongs to a cluster,
+//!   and mutual TLS between those who do.
 //! * [`Builder`] constructs LIEs, [`LieReplica`] is a shader's copy of them, and
 //!   [`inspect::inspect`] says of one pixel what they know and what they make of it.
 //!
@@ -34,15 +35,19 @@ mod file;
 pub mod handshake;
 pub mod inspect;
 pub mod launch;
+mod metrics;
 pub mod network;
+mod once;
 pub mod outbox;
 pub mod pixels;
 mod replica;
 pub mod scene_blob;
 pub mod scheduler;
+pub mod secure;
 mod serve;
 pub mod shader;
 pub mod snapshot;
+pub mod status;
 pub mod walk;
 
 pub use construct::{BatchReport, Builder, ConstructSettings, Order, PastView, Snapshot, View};

@@ -5,16 +5,25 @@ use std::{
     net::{IpAddr, SocketAddr},
 };
 
-use tokio::net::{TcpListener, TcpStream, lookup_host};
+use tokio::{
+    net::{TcpListener, TcpStream, lookup_host},
+    time::timeout,
+};
 
-/// Which addresses a process deals with while connections are neither encrypted nor
-/// authenticated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+use crate::{
+    connection::HANDSHAKE_DEADLINE,
+    secure::{Cluster, HandshakeFailure, Stream},
+};
+
+/// How a process's connections are protected, and which addresses it deals with.
+#[derive(Clone, Debug)]
 pub enum Exposure {
-    /// This machine alone.
+    /// This machine alone: connections are neither encrypted nor authenticated.
     Loopback,
-    /// Any address, on the user's explicit word.
+    /// Any address without protection, on the user's explicit word.
     Insecure,
+    /// Any address, by mutual TLS with processes of one cluster.
+    Cluster(Cluster),
 }
 
 /// Why an address cannot be used.
@@ -45,19 +54,47 @@ pub enum NetworkError {
         /// What the system says.
         cause: io::Error,
     },
+    /// Somebody is there, with whom there is no secure connection.
+    #[error("{address}: {cause}")]
+    Handshake {
+        /// As given.
+        address: String,
+        /// What is in the way.
+        cause: HandshakeFailure,
+    },
     /// The address is not on this machine, and nothing allows that.
     #[error(
-        "{0} is not a loopback address; connections are neither encrypted nor authenticated, \
-         so other machines are only allowed with --insecure"
+        "{0} is not a loopback address; without a cluster's bundle connections are neither \
+         encrypted nor authenticated, so that only this machine can be talked to: make a bundle \
+         with `lie key new` and name it with --bundle, or, where everybody on the network may \
+         see and change everything, say --insecure"
     )]
     NotLoopback(SocketAddr),
+}
+
+/// Where a process takes connections.
+#[derive(Debug)]
+pub struct Ports {
+    /// From other processes of the farm.
+    pub farm: TcpListener,
+    /// From whoever collects metrics: anybody who can reach it, by plain HTTP.
+    pub metrics: Option<TcpListener>,
+}
+
+impl From<TcpListener> for Ports {
+    fn from(farm: TcpListener) -> Self {
+        Self {
+            farm,
+            metrics: None,
+        }
+    }
 }
 
 /// Listens on the first of an address's meanings that works.
 ///
 /// # Errors
 /// [`NetworkError`], in one line.
-pub async fn bind(address: &str, exposure: Exposure) -> Result<TcpListener, NetworkError> {
+pub async fn bind(address: &str, exposure: &Exposure) -> Result<TcpListener, NetworkError> {
     let mut last = None;
     for resolved in resolve(address, exposure).await? {
         match TcpListener::bind(resolved).await {
@@ -71,25 +108,41 @@ pub async fn bind(address: &str, exposure: Exposure) -> Result<TcpListener, Netw
     })
 }
 
-/// Connects to the first of an address's meanings that answers.
+/// Connects to the first of an address's meanings that answers, each within the deadline of a
+/// handshake. With a cluster the peer has then shown that it belongs to it; whether it takes us is
+/// only known when it answers to the hello.
 ///
 /// # Errors
 /// [`NetworkError`], in one line.
-pub async fn dial(address: &str, exposure: Exposure) -> Result<TcpStream, NetworkError> {
+pub async fn dial(address: &str, exposure: &Exposure) -> Result<Stream, NetworkError> {
     let mut last = None;
     for resolved in resolve(address, exposure).await? {
-        match TcpStream::connect(resolved).await {
-            Ok(stream) => {
-                prepare(&stream);
-                return Ok(stream);
-            }
+        let connecting = timeout(HANDSHAKE_DEADLINE, connect(resolved, exposure));
+        let connected = connecting.await;
+        match connected.unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into())) {
+            Ok(stream) => return Ok(stream),
             Err(cause) => last = Some(cause),
         }
+    }
+    if let Some(cause) = last.as_ref().and_then(HandshakeFailure::of) {
+        return Err(NetworkError::Handshake {
+            address: address.to_owned(),
+            cause,
+        });
     }
     Err(NetworkError::Dial {
         address: address.to_owned(),
         cause: last.unwrap_or_else(|| io::ErrorKind::AddrNotAvailable.into()),
     })
+}
+
+async fn connect(address: SocketAddr, exposure: &Exposure) -> io::Result<Stream> {
+    let stream = TcpStream::connect(address).await?;
+    prepare(&stream);
+    match exposure {
+        Exposure::Cluster(cluster) => cluster.connect(stream).await,
+        Exposure::Loopback | Exposure::Insecure => Ok(Stream::Plain(stream)),
+    }
 }
 
 /// Sets what every connection wants: small messages go at once.
@@ -101,11 +154,11 @@ pub fn prepare(stream: &TcpStream) {
 
 /// Whether `peer` may be talked to at all.
 #[must_use]
-pub fn allows(exposure: Exposure, peer: IpAddr) -> bool {
-    exposure == Exposure::Insecure || peer.to_canonical().is_loopback()
+pub fn allows(exposure: &Exposure, peer: IpAddr) -> bool {
+    !matches!(exposure, Exposure::Loopback) || peer.to_canonical().is_loopback()
 }
 
-async fn resolve(address: &str, exposure: Exposure) -> Result<Vec<SocketAddr>, NetworkError> {
+async fn resolve(address: &str, exposure: &Exposure) -> Result<Vec<SocketAddr>, NetworkError> {
     let wrong = |cause| NetworkError::Address {
         address: address.to_owned(),
         cause,
@@ -113,9 +166,6 @@ async fn resolve(address: &str, exposure: Exposure) -> Result<Vec<SocketAddr>, N
     let resolved: Vec<_> = lookup_host(address).await.map_err(wrong)?.collect();
     if let Some(&outside) = resolved.iter().find(|at| !allows(exposure, at.ip())) {
         return Err(NetworkError::NotLoopback(outside));
-    }
-    if exposure == Exposure::Insecure {
-        tracing::warn!("{address}: connections are neither encrypted nor authenticated");
     }
     Ok(resolved)
 }
@@ -126,32 +176,34 @@ mod tests {
 
     #[tokio::test]
     async fn errors_say_which_address_and_why() {
-        let taken = bind("127.0.0.1:0", Exposure::Loopback).await.unwrap();
+        let taken = bind("127.0.0.1:0", &Exposure::Loopback).await.unwrap();
         let address = taken.local_addr().unwrap().to_string();
-        let in_use = bind(&address, Exposure::Loopback).await.unwrap_err();
+        let in_use = bind(&address, &Exposure::Loopback).await.unwrap_err();
         assert!(
             in_use
                 .to_string()
                 .starts_with(&format!("cannot listen on {address}: "))
         );
         drop(taken);
-        let nobody = dial(&address, Exposure::Loopback).await.unwrap_err();
+        let nobody = dial(&address, &Exposure::Loopback).await.unwrap_err();
         assert!(
             nobody
                 .to_string()
                 .starts_with(&format!("cannot reach {address}: "))
         );
         for wrong in ["here", "127.0.0.1:99999", ""] {
-            let error = dial(wrong, Exposure::Loopback).await.unwrap_err();
+            let error = dial(wrong, &Exposure::Loopback).await.unwrap_err();
             assert!(matches!(error, NetworkError::Address { .. }), "{error}");
         }
     }
 
     #[tokio::test]
     async fn other_machines_need_the_users_word() {
-        let refused = bind("0.0.0.0:0", Exposure::Loopback).await.unwrap_err();
-        assert!(refused.to_string().contains("--insecure"), "{refused}");
-        assert!(dial("192.0.2.1:1", Exposure::Loopback).await.is_err());
-        assert!(bind("0.0.0.0:0", Exposure::Insecure).await.is_ok());
+        let refused = bind("0.0.0.0:0", &Exposure::Loopback).await.unwrap_err();
+        for way in ["--insecure", "--bundle", "lie key new"] {
+            assert!(refused.to_string().contains(way), "{refused}");
+        }
+        assert!(dial("192.0.2.1:1", &Exposure::Loopback).await.is_err());
+        assert!(bind("0.0.0.0:0", &Exposure::Insecure).await.is_ok());
     }
 }

@@ -37,7 +37,7 @@ pub enum Completion {
 
 /// The tiles of one frame on their way.
 ///
-/// Invariants: a tile is either waiting, in flight at one or two shaders, or done, and is
+/// Invariants: a tile is either waiting, in flight at one shader or more, or done, and is
 /// done exactly once; a shader never has more tiles in flight than its credits.
 ///
 /// ```
@@ -54,7 +54,7 @@ pub enum Completion {
 #[derive(Clone, Debug)]
 pub struct Scheduler {
     waiting: VecDeque<u32>,
-    /// Where and since when each unfinished tile is in flight.
+    /// Where and since when each unfinished tile is in flight, the newest holder last.
     in_flight: BTreeMap<u32, Vec<(ShaderId, Instant)>>,
     unfinished: BTreeSet<u32>,
     shaders: BTreeMap<ShaderId, Shader>,
@@ -68,7 +68,14 @@ pub struct Scheduler {
 #[derive(Clone, Debug)]
 struct Shader {
     credits: usize,
-    tiles: BTreeSet<u32>,
+    /// What it has not answered, since when; others may have finished it.
+    tiles: BTreeMap<u32, Instant>,
+    /// When it was given its first tile.
+    oldest: Option<Instant>,
+    /// It is only asked in need.
+    is_reserve: bool,
+    /// It has answered, in time or not.
+    has_finished: bool,
 }
 
 impl Scheduler {
@@ -94,8 +101,28 @@ impl Scheduler {
     pub fn joined(&mut self, shader: ShaderId, credits: usize) {
         self.shaders.entry(shader).or_insert(Shader {
             credits: credits.max(1),
-            tiles: BTreeSet::new(),
+            tiles: BTreeMap::new(),
+            oldest: None,
+            is_reserve: false,
+            has_finished: false,
         });
+    }
+
+    /// A shader is there that is not relied on: it gets a tile at a time, and only once every
+    /// other one has let a tile become late.
+    pub fn joined_in_reserve(&mut self, shader: ShaderId) {
+        self.joined(shader, 1);
+        if let Some(shader) = self.shaders.get_mut(&shader) {
+            shader.is_reserve = true;
+        }
+    }
+
+    /// Whether a shader in reserve has nothing to do; when it is needed is for
+    /// [`Self::assign`] to find out, and is no [`Self::next_deadline`].
+    #[must_use]
+    pub fn has_reserves(&self) -> bool {
+        let mut shaders = self.shaders.values();
+        shaders.any(|shader| shader.is_reserve && shader.tiles.is_empty())
     }
 
     /// A shader is gone: its tiles go to the front of the queue, unless another has them too.
@@ -103,7 +130,7 @@ impl Scheduler {
         let Some(gone) = self.shaders.remove(&shader) else {
             return;
         };
-        for &tile in gone.tiles.iter().rev() {
+        for &tile in gone.tiles.keys().rev() {
             self.lost += 1;
             if let Some(holders) = self.in_flight.get_mut(&tile) {
                 holders.retain(|&(holder, _)| holder != shader);
@@ -125,7 +152,7 @@ impl Scheduler {
     /// A tile has come back.
     pub fn completed(&mut self, tile: u32, shader: ShaderId, now: Instant) -> Completion {
         if let Some(shader) = self.shaders.get_mut(&shader) {
-            shader.tiles.remove(&tile);
+            shader.has_finished |= shader.tiles.remove(&tile).is_some();
         }
         let holders = self.in_flight.get(&tile).map_or(&[][..], Vec::as_slice);
         let Some(&(_, since)) = holders.iter().find(|&&(holder, _)| holder == shader) else {
@@ -139,10 +166,12 @@ impl Scheduler {
     }
 
     /// What to send now: waiting tiles first, to the shaders with the most free credits;
-    /// when none waits, late tiles a second time to idle shaders.
+    /// when none waits, late tiles to idle shaders as well. Where the second is late too, to a
+    /// third: both may hang.
     pub fn assign(&mut self, now: Instant) -> Vec<(ShaderId, u32)> {
         let mut assigned = Vec::new();
-        while let Some(shader) = self.freest() {
+        let in_need = self.is_in_need(now);
+        while let Some(shader) = self.freest(in_need) {
             let Some(tile) = self.waiting.pop_front() else {
                 break;
             };
@@ -150,25 +179,22 @@ impl Scheduler {
             assigned.push((shader, tile));
         }
         if self.waiting.is_empty() {
-            self.assign_late(now, &mut assigned);
+            self.assign_late(now, in_need, &mut assigned);
         }
         assigned
     }
 
-    fn assign_late(&mut self, now: Instant, assigned: &mut Vec<(ShaderId, u32)>) {
+    fn assign_late(&mut self, now: Instant, in_need: bool, assigned: &mut Vec<(ShaderId, u32)>) {
         let late_after = self.late_after();
-        let late: Vec<(u32, ShaderId)> = self
+        let late: Vec<u32> = self
             .in_flight
             .iter()
-            .filter_map(|(&tile, holders)| match holders[..] {
-                [(holder, since)] if now.saturating_duration_since(since) >= late_after => {
-                    Some((tile, holder))
-                }
-                _ => None,
-            })
+            .filter(|(_, holders)| age(holders, now).is_some_and(|age| age >= late_after))
+            .map(|(&tile, _)| tile)
             .collect();
-        for (tile, holder) in late {
-            if let Some(shader) = self.idle_beside(holder) {
+        for tile in late {
+            let holders = self.in_flight.get(&tile).map_or(&[][..], Vec::as_slice);
+            if let Some(shader) = self.idle_beside(holders, in_need) {
                 self.reissued += 1;
                 self.give(shader, tile, now);
                 assigned.push((shader, tile));
@@ -176,12 +202,24 @@ impl Scheduler {
         }
     }
 
-    /// A shader that has little to do, other than the one that has the tile.
-    fn idle_beside(&self, holder: ShaderId) -> Option<ShaderId> {
-        let mut shaders = self.shaders.iter();
-        let idle = shaders
-            .find(|&(&id, shader)| id != holder && shader.tiles.len() < shader.credits.div_ceil(2));
-        idle.map(|(&id, _)| id)
+    /// A shader that has little to do, other than those that have the tile; one in reserve only
+    /// in need, and if there is no other.
+    fn idle_beside(&self, holders: &[(ShaderId, Instant)], in_need: bool) -> Option<ShaderId> {
+        let idle = self.shaders.iter().filter(|&(&id, shader)| {
+            let has_it = holders.iter().any(|&(holder, _)| holder == id);
+            let is_idle = shader.tiles.len() < shader.credits.div_ceil(2);
+            !has_it && is_idle && (in_need || !shader.is_reserve)
+        });
+        idle.min_by_key(|&(&id, shader)| (shader.is_reserve, id))
+            .map(|(&id, _)| id)
+    }
+
+    /// Whether every shader that is relied on has a tile that is late.
+    fn is_in_need(&self, now: Instant) -> bool {
+        let late_after = self.late_after();
+        let is_late = |&since: &Instant| now.saturating_duration_since(since) >= late_after;
+        let mut relied_on = self.shaders.values().filter(|shader| !shader.is_reserve);
+        relied_on.all(|shader| shader.tiles.values().any(is_late))
     }
 
     /// When the next tile becomes late that an idle shader could take over: then
@@ -191,14 +229,24 @@ impl Scheduler {
         if !self.waiting.is_empty() || self.shaders.len() < 2 {
             return None;
         }
-        let since = self
-            .in_flight
-            .values()
-            .filter_map(|holders| match holders[..] {
-                [(holder, since)] => self.idle_beside(holder).map(|_| since),
-                _ => None,
-            });
+        let since = self.in_flight.values().filter_map(|holders| {
+            self.idle_beside(holders, false)?;
+            holders.last().map(|&(_, since)| since)
+        });
         Some(since.min()? + self.late_after())
+    }
+
+    /// Whether a shader has had tiles until they were late, and has finished none.
+    #[must_use]
+    pub fn is_silent(&self, shader: ShaderId, now: Instant) -> bool {
+        let late_after = self.late_after();
+        let Some(shader) = self.shaders.get(&shader) else {
+            return false;
+        };
+        let held = shader
+            .oldest
+            .map(|since| now.saturating_duration_since(since));
+        !shader.has_finished && held.is_some_and(|held| held >= late_after)
     }
 
     /// Whether every tile is done.
@@ -231,7 +279,7 @@ impl Scheduler {
         self.lost
     }
 
-    /// Tiles that were given to a second shader because they were late.
+    /// How often a tile was given to another shader as well because it was late.
     #[must_use]
     pub fn reissued_tiles(&self) -> u64 {
         self.reissued
@@ -245,20 +293,28 @@ impl Scheduler {
         self.policy.floor.max(mean.mul_f64(self.policy.factor))
     }
 
-    fn freest(&self) -> Option<ShaderId> {
+    fn freest(&self, in_need: bool) -> Option<ShaderId> {
         let free = |shader: &Shader| shader.credits - shader.tiles.len();
         let ids = self.shaders.iter().filter(|(_, s)| free(s) > 0);
+        let ids = ids.filter(|(_, s)| in_need || !s.is_reserve);
         // Of equals the first, so that the order does not depend on the map.
-        ids.min_by_key(|(id, s)| (usize::MAX - free(s), **id))
+        ids.min_by_key(|(id, s)| (s.is_reserve, usize::MAX - free(s), **id))
             .map(|(&id, _)| id)
     }
 
     fn give(&mut self, shader: ShaderId, tile: u32, now: Instant) {
         if let Some(shader) = self.shaders.get_mut(&shader) {
-            shader.tiles.insert(tile);
+            shader.tiles.insert(tile, now);
+            shader.oldest.get_or_insert(now);
         }
         self.in_flight.entry(tile).or_default().push((shader, now));
     }
+}
+
+/// How long the newest holder of a tile has had it.
+fn age(holders: &[(ShaderId, Instant)], now: Instant) -> Option<Duration> {
+    let &(_, since) = holders.last()?;
+    Some(now.saturating_duration_since(since))
 }
 
 /// The tiles of a `columns × rows` grid from the centre outwards, by row-major number.

@@ -13,6 +13,8 @@ pub struct WalkConfig {
     pub path: Walkthrough,
     /// Frames, evenly spread in time from the path's first moment to its last.
     pub frames: u32,
+    /// The first of them to ask for; those before it are left out.
+    pub first: u32,
     /// If set, each frame waits until its view has converged, at most this long.
     pub settle: Option<Duration>,
     /// Everything about a frame but its camera.
@@ -56,7 +58,7 @@ pub async fn walk<O: WalkObserver>(
     config: &WalkConfig,
     observer: &mut O,
 ) -> Result<(), WalkError<O::Error>> {
-    for index in 0..config.frames {
+    for index in config.first..config.frames {
         let share = f64::from(index) / f64::from(config.frames.saturating_sub(1).max(1));
         let time_s = (f64::from(config.path.duration_s()) * share) as f32;
         let request = FrameRequest {

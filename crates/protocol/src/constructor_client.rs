@@ -1,7 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Goodbye, Ping, Pong, Refuse, SceneSummary, Text, WireCamera, body::Control, bounded, limit,
+    ClientReport, Goodbye, Ping, Pong, Refuse, SceneSummary, Text, WireCamera, body::Control,
+    bounded, limit,
 };
 
 /// The constructor takes the client in.
@@ -107,6 +108,8 @@ messages! {
         Goodbye(Goodbye) = 5, at most limit::CONTROL;
         /// See [`CameraUpdate`].
         Camera(CameraUpdate) = 40, at most limit::CONTROL;
+        /// See [`ClientReport`].
+        Report(ClientReport) = 41, at most limit::CONTROL;
     }
 }
 

@@ -1,7 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    AuditReport, Goodbye, LieDelta, Ping, Pong, Refuse, ResyncRequest, SceneHash, WireLieSettings,
+    AuditReport, Goodbye, LieDelta, Ping, Pong, Refuse, ResyncRequest, SceneHash, ShaderReport,
+    WireLieSettings,
     body::{Body, Control},
     codec, limit,
 };
@@ -99,6 +100,8 @@ messages! {
         Ready(ShaderReady) = 27, at most limit::CONTROL;
         /// See [`AuditReport`].
         Audit(AuditReport) = 28, at most limit::AUDIT;
+        /// See [`ShaderReport`].
+        Report(ShaderReport) = 29, at most limit::CONTROL;
     }
 }
 

@@ -38,6 +38,7 @@ pub struct Decoder {
     bytes: Vec<u8>,
     /// Everything before this has been read.
     start: usize,
+    peer_version: Option<u16>,
 }
 
 impl Decoder {
@@ -67,9 +68,14 @@ impl Decoder {
     pub fn next<M: Message>(&mut self) -> Result<Option<M>, ProtocolError> {
         let pending = &self.bytes[self.start..];
         let Some((header, rest)) = pending.split_first_chunk::<{ Header::LENGTH }>() else {
-            return Ok(None);
+            // What is not ours is known by its first bytes; there may never be more.
+            return pending
+                .first_chunk()
+                .map_or(Ok(()), |first| Header::check_magic(*first))
+                .map(|()| None);
         };
         let header = Header::from_bytes(*header)?;
+        self.peer_version = Some(header.version);
         if header.version != PROTOCOL_VERSION && !M::is_timeless(header.kind) {
             return Err(ProtocolError::Version {
                 theirs: header.version,
@@ -82,6 +88,12 @@ impl Decoder {
         let message = M::read_body(header.kind, body)?;
         self.start += Header::LENGTH + length;
         Ok(Some(message))
+    }
+
+    /// The protocol version in the header that came last.
+    #[must_use]
+    pub fn peer_version(&self) -> Option<u16> {
+        self.peer_version
     }
 
     /// Bytes that wait for the rest of their frame.

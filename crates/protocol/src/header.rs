@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 4] = *b"LIE\x1a";
 
 /// Version of everything but the header itself, the hello and the refusal, whose layouts
 /// never change.
-pub const PROTOCOL_VERSION: u16 = 5;
+pub const PROTOCOL_VERSION: u16 = 6;
 
 /// What precedes every body: magic, then version, kind and body length, little-endian.
 ///
@@ -35,15 +35,25 @@ impl Header {
         bytes
     }
 
+    /// Whether a frame may begin like this.
+    ///
+    /// # Errors
+    /// [`ProtocolError::Magic`].
+    pub fn check_magic(first: [u8; MAGIC.len()]) -> Result<(), ProtocolError> {
+        if first == MAGIC {
+            Ok(())
+        } else {
+            Err(ProtocolError::Magic(first))
+        }
+    }
+
     /// Reads a header. Version, kind and length are for the caller to judge.
     ///
     /// # Errors
     /// [`ProtocolError::Magic`].
     pub fn from_bytes(bytes: [u8; Self::LENGTH]) -> Result<Self, ProtocolError> {
         let [m0, m1, m2, m3, v0, v1, k0, k1, l0, l1, l2, l3] = bytes;
-        if [m0, m1, m2, m3] != MAGIC {
-            return Err(ProtocolError::Magic([m0, m1, m2, m3]));
-        }
+        Self::check_magic([m0, m1, m2, m3])?;
         Ok(Self {
             version: u16::from_le_bytes([v0, v1]),
             kind: u16::from_le_bytes([k0, k1]),

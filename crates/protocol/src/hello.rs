@@ -12,11 +12,13 @@ pub enum Role {
     Shader,
     /// Wants pictures.
     Client,
+    /// Wants to know how the farm is, once.
+    Observer,
 }
 
 /// The first message on a connection, from the side that dialled.
 ///
-/// Body: version (u16), role (u8: 0, 1, 2 as in [`Role`]), threads (u32), listen port
+/// Body: version (u16), role (u8: 0 to 3 as in [`Role`]), threads (u32), listen port
 /// (u16), length of the build text (u16) and the text. More may follow in other versions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hello {
@@ -24,7 +26,7 @@ pub struct Hello {
     pub protocol_version: u16,
     /// What dialled.
     pub role: Role,
-    /// Render threads; 0 for a client.
+    /// Render threads; 0 for all but shaders.
     pub threads: u32,
     /// Where a shader takes clients, at the address it dials from; 0 for none.
     pub listen_port: u16,
@@ -92,6 +94,7 @@ impl Body for Hello {
             Role::Constructor => 0,
             Role::Shader => 1,
             Role::Client => 2,
+            Role::Observer => 3,
         });
         out.extend_from_slice(&self.threads.to_le_bytes());
         out.extend_from_slice(&self.listen_port.to_le_bytes());
@@ -111,6 +114,7 @@ impl Body for Hello {
                 0 => Role::Constructor,
                 1 => Role::Shader,
                 2 => Role::Client,
+                3 => Role::Observer,
                 // A later version may know more roles; it is refused for its version.
                 _ if protocol_version != PROTOCOL_VERSION => Role::Client,
                 other => return Err(format!("there is no role {other}")),

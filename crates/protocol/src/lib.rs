@@ -13,6 +13,7 @@
 //! | constructor ⇄ shader | [`ConstructorToShader`], [`ShaderToConstructor`] |
 //! | constructor ⇄ client | [`ConstructorToClient`], [`ClientToConstructor`] |
 //! | shader ⇄ client | [`ShaderToClient`], [`ClientToShader`] |
+//! | constructor → observer | [`ConstructorToObserver`] |
 //!
 //! ```
 //! use lie_protocol::{Decoder, Opening, Refuse, encode};
@@ -41,6 +42,7 @@ mod lies;
 pub mod limit;
 mod session;
 mod shader_client;
+mod status;
 mod text;
 mod view;
 
@@ -65,6 +67,10 @@ pub use session::{Goodbye, Ping, Pong};
 pub use shader_client::{
     BeginFrame, CancelBefore, ClientToShader, Compression, PixelFormat, ShaderToClient, TileDone,
     TileReport, TileRequest, TileWelcome, WireCost, WireIntegrator,
+};
+pub use status::{
+    ClientReport, ClientStatus, ConstructorToObserver, FarmStatus, ShaderHealth, ShaderReport,
+    ShaderStatus,
 };
 pub use text::Text;
 pub use view::{

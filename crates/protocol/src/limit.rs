@@ -34,6 +34,10 @@ pub const KEY_FRAMES: usize = 16 * 1024;
 pub const SHADERS: usize = 1024;
 /// Longest roster.
 pub const ROSTER: u32 = 1024 * 1024;
+/// Clients in a status.
+pub const CLIENTS: usize = 256;
+/// Longest status of a farm.
+pub const STATUS: u32 = 1024 * 1024;
 /// Longest side of a tile, in pixels.
 pub const TILE_SIDE: u32 = 256;
 /// Longest side of a frame, in pixels.

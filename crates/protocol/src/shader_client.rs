@@ -47,6 +47,9 @@ pub enum Compression {
 pub struct BeginFrame {
     /// Rises with every frame of this client.
     pub frame: u64,
+    /// The client's number at the constructor. With the frame's it names the frame in the logs of
+    /// all processes, and means nothing else.
+    pub view: u32,
     /// The view.
     pub camera: WireCamera,
     /// Pixels per row, and rows; at most [`limit::FRAME_SIDE`].

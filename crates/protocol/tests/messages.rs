@@ -73,6 +73,7 @@ fn feed_all(bytes: &[u8]) {
     feed::<ClientToConstructor>(bytes);
     feed::<ShaderToClient>(bytes);
     feed::<ClientToShader>(bytes);
+    feed::<ConstructorToObserver>(bytes);
 }
 
 proptest! {
@@ -104,6 +105,11 @@ proptest! {
     }
 
     #[test]
+    fn constructor_to_observer_round_trips(message in strategy::constructor_to_observer()) {
+        check_round_trip(&message);
+    }
+
+    #[test]
     fn shader_to_client_round_trips(message in strategy::shader_to_client()) {
         check_round_trip(&message);
     }
@@ -124,8 +130,8 @@ proptest! {
 
     #[test]
     fn arbitrary_bodies_do_no_harm(
-        kind in 0u16..64,
-        version in 0u16..3,
+        kind in 0u16..80,
+        version in PROTOCOL_VERSION - 1..=PROTOCOL_VERSION + 1,
         body in proptest::collection::vec(any::<u8>(), 0..300),
     ) {
         let header = Header { version, kind, length: body.len() as u32 };
@@ -137,7 +143,7 @@ proptest! {
 
 #[test]
 fn a_length_over_the_limit_is_refused_from_the_header_alone() {
-    for kind in 0..64 {
+    for kind in 0..80 {
         for length in [limit::LIE_DELTA + 1, u32::MAX] {
             let header = Header {
                 version: PROTOCOL_VERSION,
@@ -154,6 +160,76 @@ fn a_length_over_the_limit_is_refused_from_the_header_alone() {
             assert!(refused, "{result:?}");
         }
     }
+}
+
+/// A farm of so many shaders and clients, with all that they can say of themselves.
+fn farm(shaders: u32, clients: u32) -> ConstructorToObserver {
+    let long = Text::new(&"x".repeat(limit::TEXT));
+    let shader = |id| ShaderStatus {
+        id,
+        address: long.clone(),
+        threads: u32::MAX,
+        health: ShaderHealth::Silent,
+        joined_ms: u64::MAX,
+        heard_ms: u64::MAX,
+        ping_us: Some(u64::MAX),
+        sent_bytes: u64::MAX,
+        report: Some(ShaderReport {
+            tiles: u64::MAX,
+            camera_rays: u64::MAX,
+            shadow_rays: u64::MAX,
+            list_rays: u64::MAX,
+            render_ns: u64::MAX,
+            lie_version: u64::MAX,
+            clients: u32::MAX,
+            outstanding: u32::MAX,
+            sent_bytes: u64::MAX,
+        }),
+    };
+    let client = |id| ClientStatus {
+        id,
+        address: long.clone(),
+        joined_ms: u64::MAX,
+        cameras: u64::MAX,
+        report: None,
+    };
+    ConstructorToObserver::Status(FarmStatus {
+        build: long.clone(),
+        scene: long.clone(),
+        hash: SceneHash::default(),
+        triangles: 0,
+        lights: 0,
+        uptime_ms: 0,
+        lies: LieStatus::default(),
+        samples_per_s: 0.0,
+        shaders_joined: 0,
+        shaders_lost: 0,
+        shaders: (0..shaders).map(shader).collect(),
+        clients: (0..clients).map(client).collect(),
+    })
+}
+
+#[test]
+fn the_largest_farm_has_a_status_and_a_larger_one_is_refused() {
+    let (shaders, clients) = (limit::SHADERS as u32, limit::CLIENTS as u32);
+    check_once(&farm(shaders, clients)).unwrap();
+    for too_large in [farm(shaders + 1, 0), farm(0, clients + 1)] {
+        let refused = check_once(&too_large);
+        assert!(
+            matches!(refused, Err(ProtocolError::Malformed { kind: 64, .. })),
+            "{refused:?}"
+        );
+    }
+}
+
+fn check_once(message: &ConstructorToObserver) -> Result<(), ProtocolError> {
+    let mut bytes = Vec::new();
+    encode(message, &mut bytes)?;
+    let mut decoder = Decoder::default();
+    decoder.push(&bytes);
+    let read = decoder.next::<ConstructorToObserver>()?;
+    assert_eq!(read.as_ref(), Some(message));
+    Ok(())
 }
 
 #[test]

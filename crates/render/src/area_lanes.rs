@@ -41,6 +41,8 @@ pub(crate) struct AreaLanes {
     weight: Lanes,
     /// [`crate::LightRay::exact`].
     pub(crate) exact: [bool; PACKET],
+    /// The lanes that it lights, as far as is known: bit `i` for lane `i`. Not set here.
+    pub(crate) lit: u32,
 }
 
 /// A sample point for each lane.
@@ -60,15 +62,16 @@ pub(crate) fn gather(
     (irradiance, lanes): (Option<&Lanes>, u32),
     samples: &mut Vec<AreaLanes>,
 ) {
-    samples.clear();
-    for number in 0..sampling.by_area {
+    // In place: a sample is too large to be moved.
+    samples.resize(sampling.by_area as usize, AreaLanes::NOTHING);
+    for (number, sample) in (0..).zip(&mut *samples) {
         let places = places(form.light, keys, sampling.strata, number);
-        let is_smooth = sampling.by_lobe > 0;
-        samples.push(match (points.is_glossy, is_smooth) {
-            (false, _) => weigh_matt(points, form.light, &places, sampling),
-            (true, false) => weigh_glossy(points, form.light, &places, sampling),
-            (true, true) => weigh_smooth(points, form.light, &places, sampling),
-        });
+        let weigh = match (points.is_glossy, sampling.by_lobe > 0) {
+            (false, _) => weigh_matt,
+            (true, false) => weigh_glossy,
+            (true, true) => weigh_smooth,
+        };
+        weigh(points, form.light, &places, sampling, sample);
     }
     let weights = scale_all(samples, irradiance);
     let Some(irradiance) = irradiance else { return };
@@ -143,6 +146,7 @@ impl AreaLanes {
         specular: [[0.0; PACKET]; 3],
         weight: [0.0; PACKET],
         exact: [false; PACKET],
+        lit: 0,
     };
 
     /// One ray for all of a light that no sample has found above the horizon.
@@ -151,7 +155,9 @@ impl AreaLanes {
         &mut self,
         lane: usize,
         points: &PointLanes,
-        AreaForm { light, outlines }: AreaForm<'_>,
+        AreaForm {
+            light, outlines, ..
+        }: AreaForm<'_>,
         sampling: AreaSampling,
         irradiance: f32,
     ) -> Option<()> {
@@ -241,8 +247,9 @@ fn weigh_matt(
     light: &AreaLight,
     places: &LightPointLanes,
     sampling: AreaSampling,
-) -> AreaLanes {
-    weigh::<false, false>(points, light, places, sampling)
+    sample: &mut AreaLanes,
+) {
+    weigh::<false, false>(points, light, places, sampling, sample);
 }
 
 #[multiversion(targets(
@@ -254,8 +261,9 @@ fn weigh_glossy(
     light: &AreaLight,
     places: &LightPointLanes,
     sampling: AreaSampling,
-) -> AreaLanes {
-    weigh::<true, false>(points, light, places, sampling)
+    sample: &mut AreaLanes,
+) {
+    weigh::<true, false>(points, light, places, sampling, sample);
 }
 
 #[multiversion(targets(
@@ -267,23 +275,24 @@ fn weigh_smooth(
     light: &AreaLight,
     places: &LightPointLanes,
     sampling: AreaSampling,
-) -> AreaLanes {
-    weigh::<true, true>(points, light, places, sampling)
+    sample: &mut AreaLanes,
+) {
+    weigh::<true, true>(points, light, places, sampling, sample);
 }
 
-/// With `SMOOTH`, samples that follow the lobe share the weight.
+/// Fills all of `lanes`. With `SMOOTH`, samples that follow the lobe share the weight.
 #[inline(always)]
 fn weigh<const GLOSSY: bool, const SMOOTH: bool>(
     points: &PointLanes,
     light: &AreaLight,
     places: &LightPointLanes,
     sampling: AreaSampling,
-) -> AreaLanes {
+    lanes: &mut AreaLanes,
+) {
     let area = light.area();
     let light_radiance = light.radiance.to_array();
     let double_sided = light.double_sided;
     let (by_area, by_lobe) = (sampling.by_area as f32, sampling.by_lobe as f32);
-    let mut lanes = AreaLanes::NOTHING;
     for lane in 0..PACKET {
         let at = |axes: &[Lanes; 3]| [axes[0][lane], axes[1][lane], axes[2][lane]];
         let (position, normal) = (at(&places.position), at(&places.normal));
@@ -331,7 +340,6 @@ fn weigh<const GLOSSY: bool, const SMOOTH: bool>(
         lanes.weight[lane] = if carries { weight } else { 0.0 };
         lanes.exact[lane] = (lobe_share > area_share) | (area_share * NEAR < 1.0);
     }
-    lanes
 }
 
 #[cfg(test)]

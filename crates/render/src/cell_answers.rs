@@ -1,7 +1,9 @@
-use lie_accel::RayPacket;
+use glam::Vec3;
+use lie_accel::{PACKET, RayPacket};
 
 use crate::{
     LieCell, LightPoints, LightRay, World,
+    light_form::LightForm,
     occluder_lists::{LightList, OpenLists},
 };
 
@@ -62,6 +64,22 @@ impl<'a> CellAnswers<'a> {
         let lists = &self.lists.lights;
         let place = lists.binary_search_by_key(&light, |list| list.light);
         place.ok().map(|place| &lists[place])
+    }
+
+    /// The cell.
+    pub(crate) fn cell(&self) -> &'a LieCell {
+        self.cell
+    }
+
+    /// Whether all of an area light is clear of its list from a place: its rays are not asked.
+    pub(crate) fn is_clear(&self, light: u32, origin: Vec3) -> bool {
+        let origins = origin.to_array().map(|axis| [axis; PACKET]);
+        match (self.world.light_form(light), self.list(light)) {
+            (LightForm::Area(form), Some(list)) => {
+                self.lists.may_hide(list, form, &origins, 1) == 0
+            }
+            _ => false,
+        }
     }
 
     /// How a light is found.

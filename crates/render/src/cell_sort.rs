@@ -23,7 +23,7 @@ pub(crate) struct CellSort<'a> {
 
 impl<'a> CellSort<'a> {
     /// Finds the cell of each point of some blocks.
-    pub(crate) fn find(&mut self, lies: &'a dyn LieLookup, blocks: &[PointGroup<'_>]) {
+    pub(crate) fn find(&mut self, lies: &'a dyn LieLookup, blocks: &[PointGroup]) {
         self.origins.clear();
         self.places.clear();
         self.found.clear();

@@ -28,31 +28,30 @@ pub(crate) struct FirstHits<'a> {
 /// What a square's camera rays met. To be used again for the next square: what it has allocated
 /// stays.
 #[derive(Default)]
-pub(crate) struct SquareHits<'a> {
+pub(crate) struct SquareHits {
     /// In packets of 4 × 4 pixels, in Z order, so that points that follow each other are near
     /// each other.
-    pub(crate) blocks: Groups<'a>,
+    pub(crate) blocks: Groups,
     surfaces: SurfaceLanes,
-    /// The same one by one, if that is wanted.
-    pub(crate) points: Vec<ShadingPoint<'a>>,
 }
 
 impl FirstHits<'_> {
     /// Shoots the rays of a square's pixels, and adds emission and background to their sums.
-    /// How many rays.
+    /// `points` become what they met one by one, if that is wanted. How many rays.
     pub(crate) fn find(
         &self,
         square: Tile,
         sample: u32,
-        hits: &mut SquareHits<'_>,
+        hits: &mut SquareHits,
+        points: &mut Vec<ShadingPoint<'_>>,
         sums: &mut [Vec3],
     ) -> u64 {
         hits.blocks.clear();
-        hits.points.clear();
+        points.clear();
         for index in 0..(SQUARE / BLOCK) * (SQUARE / BLOCK) {
             let start = BLOCK * UVec2::new(every_other_bit(index), every_other_bit(index >> 1));
             if start.cmplt(square.size).all() {
-                self.find_block(square, start, sample, hits, sums);
+                self.find_block((square, start), sample, hits, points, sums);
             }
         }
         u64::from(square.size.x) * u64::from(square.size.y)
@@ -61,10 +60,10 @@ impl FirstHits<'_> {
     /// Up to 4 × 4 pixels of a square, from `start` on.
     fn find_block(
         &self,
-        square: Tile,
-        start: UVec2,
+        (square, start): (Tile, UVec2),
         sample: u32,
-        hits: &mut SquareHits<'_>,
+        hits: &mut SquareHits,
+        points: &mut Vec<ShadingPoint<'_>>,
         sums: &mut [Vec3],
     ) {
         let scene = self.world.scene();
@@ -95,7 +94,7 @@ impl FirstHits<'_> {
             };
             if self.is_one_by_one && surfaces.hits >> lane & 1 == 1 {
                 let surface = surfaces.surface(lane);
-                hits.points.push(ShadingPoint {
+                points.push(ShadingPoint {
                     pixel: pixels[lane],
                     key: keys[lane],
                     brdf: Brdf::new(scene, &surface),

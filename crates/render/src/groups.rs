@@ -2,18 +2,18 @@ use crate::point_group::PointGroup;
 
 /// Groups that are used again and again: they are large, and stay where they are.
 #[derive(Default)]
-pub(crate) struct Groups<'a> {
-    groups: Vec<PointGroup<'a>>,
+pub(crate) struct Groups {
+    groups: Vec<PointGroup>,
     len: usize,
 }
 
-impl<'a> Groups<'a> {
+impl Groups {
     pub(crate) fn clear(&mut self) {
         self.len = 0;
     }
 
     /// One more, to be filled: it holds what it held before.
-    pub(crate) fn push(&mut self) -> &mut PointGroup<'a> {
+    pub(crate) fn push(&mut self) -> &mut PointGroup {
         if self.len == self.groups.len() {
             self.groups.push(PointGroup::new());
         }
@@ -21,7 +21,11 @@ impl<'a> Groups<'a> {
         &mut self.groups[self.len - 1]
     }
 
-    pub(crate) fn as_slice(&self) -> &[PointGroup<'a>] {
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    pub(crate) fn as_slice(&self) -> &[PointGroup] {
         &self.groups[..self.len]
     }
 }

@@ -1,3 +1,4 @@
+use lie_geom::Aabb;
 use lie_scene::AreaLight;
 
 use crate::{closed_form::Outlines, delta_lanes::DeltaLight};
@@ -17,4 +18,6 @@ pub(crate) enum LightForm<'a> {
 pub(crate) struct AreaForm<'a> {
     pub(crate) light: &'a AreaLight,
     pub(crate) outlines: Option<&'a Outlines>,
+    /// Where shadow rays to it end.
+    pub(crate) ends: Aabb,
 }

@@ -58,7 +58,9 @@ impl LightPoints<'_> {
     /// it is `known` to be clear, and this surface wants nothing but the closed form.
     pub(crate) fn evaluations(&self, world: &World, light: u32, known: bool) -> u64 {
         match world.light_form(light) {
-            LightForm::Area(AreaForm { light, outlines }) => {
+            LightForm::Area(AreaForm {
+                light, outlines, ..
+            }) => {
                 let samples = u64::from(self.split(light).0);
                 let Some(outlines) = outlines else {
                     return samples;
@@ -132,7 +134,9 @@ impl LightPoints<'_> {
     #[cold]
     fn only_ray(&self, index: u32, form: AreaForm<'_>, irradiance: f32) -> Option<LightRay> {
         let (position, brdf) = (self.surface.position, self.brdf);
-        let AreaForm { light, outlines } = form;
+        let AreaForm {
+            light, outlines, ..
+        } = form;
         let point = Outlines::some_point(light, position, brdf.normal, brdf.geometric_normal)?;
         let (target, wi, _) = point.seen_from(position, light)?;
         let parts = brdf.parts(wi, brdf.cosine(wi)?);

@@ -3,6 +3,8 @@ use std::ops::Range;
 use lie_accel::{BlockPart, Cutout, OccluderBlocks, PACKET, RayPacket};
 use lie_geom::Triangle;
 
+use crate::light_form::AreaForm;
+
 /// Partially occluded lights of a cell, each with the triangles that may be in its way, packed
 /// into bytes. Lights are often behind the same triangles: each triangle is named once, and a
 /// list says which of them, sixteen at a time.
@@ -145,6 +147,19 @@ impl OpenLists {
     /// The parts of a light's list.
     pub(crate) fn parts(&self, list: &LightList) -> &[BlockPart] {
         &self.parts[list.parts.clone()]
+    }
+
+    /// Where a light's list may be in the way to an area light: bit `i` for `origins[i]`, of those
+    /// in `lanes`. From the others all of the light is clear.
+    pub(crate) fn may_hide(
+        &self,
+        list: &LightList,
+        form: AreaForm<'_>,
+        origins: &[[f32; PACKET]; 3],
+        lanes: u32,
+    ) -> u32 {
+        self.blocks
+            .may_hide(self.parts(list), form.ends, origins, lanes)
     }
 
     /// Which rays a light's list blocks, wherever they start.

@@ -104,10 +104,11 @@ impl LightShare {
             occluder_tests: 0,
             missed: vec![],
         };
+        let is_asked = !answers.is_clear(light, points.surface.shadow_origin);
         answers.for_each_ray(light, points, |ray, fate| {
             share.add(world, ray, fate);
             if let (LightAnswer::Listed(occluders), true) =
-                (share.answer, fate != RayAnswer::Traced)
+                (share.answer, is_asked && fate != RayAnswer::Traced)
             {
                 share.list_rays += 1;
                 share.occluder_tests += occluders;

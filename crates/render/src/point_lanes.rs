@@ -18,15 +18,14 @@ pub(crate) type Lanes = [f32; PACKET];
 /// Radiance of each point, by channel.
 pub(crate) type RadianceLanes = [Lanes; 3];
 
-/// Up to sixteen surface points, one coordinate after the other.
+/// Up to sixteen surface points, one coordinate after the other: the lanes first, in this order, so
+/// that no vector lies across two cache lines.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub(crate) struct PointLanes {
     pub(crate) position: [Lanes; 3],
     /// Where shadow rays start.
     pub(crate) origin: [Lanes; 3],
-    /// Box around those.
-    pub(crate) origins: Aabb,
     pub(crate) normal: [Lanes; 3],
     pub(crate) geometric_normal: [Lanes; 3],
     wo: [Lanes; 3],
@@ -38,6 +37,8 @@ pub(crate) struct PointLanes {
     cos_o: Lanes,
     /// What masking on the way to the eye has beside the light's cosine.
     root_o: Lanes,
+    /// Box around where shadow rays start.
+    pub(crate) origins: Aabb,
     /// Whether any lane reflects more than Lambert.
     pub(crate) is_glossy: bool,
     /// Lanes that are so smooth that lights are followed along their lobe.

@@ -87,6 +87,7 @@ impl World {
                 LightKind::Area(area) => LightForm::Area(AreaForm {
                     light: area,
                     outlines: self.outlines[light as usize].as_ref(),
+                    ends: area.ends(),
                 }),
                 _ => LightForm::Other,
             },

@@ -21,6 +21,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod area_light;
 mod area_shape;
 mod camera;
 mod draft;
@@ -38,6 +39,7 @@ mod surface_lanes;
 mod texture;
 mod walkthrough;
 
+pub use area_light::{AreaLight, AreaShape, LightPoint};
 pub use camera::{Camera, CameraFilm};
 pub use export::{ExportError, Exported, ObjText, export_glb, export_obj};
 pub use generate::{
@@ -45,7 +47,7 @@ pub use generate::{
     science_center,
 };
 pub use geometry::{Geometry, GeometryError, MeshPart, Vertex};
-pub use light::{AreaLight, AreaShape, Light, LightKind, LightPoint, LightSample, ramp_slope};
+pub use light::{Light, LightKind, LightSample, ramp_slope};
 pub use load::{LoadError, Loaded, MAX_FILE_BYTES, load};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use model::{Background, RenderSettings, Scene, SceneError};

@@ -13,11 +13,10 @@ pub const SURFACE_LANES: usize = 16;
 pub(crate) type Lanes = [f32; SURFACE_LANES];
 
 /// [`Surface`]s, one coordinate after the other. Those of lanes without a hit are turned nowhere.
+/// Lanes come first: no vector lies across two cache lines.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub struct SurfaceLanes {
-    /// The lanes that hit something: bit `i` for lane `i`. What follows is theirs alone.
-    pub hits: u32,
     /// As of [`Surface::position`].
     pub position: [Lanes; 3],
     /// As of [`Surface::shadow_origin`].
@@ -28,8 +27,6 @@ pub struct SurfaceLanes {
     pub geometric_normal: [Lanes; 3],
     /// As of [`Surface::shading_normal`].
     pub shading_normal: [Lanes; 3],
-    /// As of [`Surface::front`]: bit `i` for lane `i`.
-    pub front: u32,
     /// As of [`Surface::triangle`].
     pub triangle: [u32; SURFACE_LANES],
     /// As of [`Surface::material`].
@@ -40,10 +37,14 @@ pub struct SurfaceLanes {
     pub metallic: Lanes,
     /// As of [`Surface::roughness`].
     pub roughness: Lanes,
+    /// The lanes that hit something: bit `i` for lane `i`. The rest is theirs alone.
+    pub hits: u32,
+    /// As of [`Surface::front`]: bit `i` for lane `i`.
+    pub front: u32,
 }
 
 /// What of hits is fetched from all over the scene.
-#[repr(align(64))]
+#[repr(C, align(64))]
 struct Fetched {
     weights: [Lanes; 3],
     corners: [[Lanes; 3]; 3],

@@ -105,7 +105,7 @@ impl Farm {
         let prepared = Prepared::new(stage.world().scene().clone(), &config)?;
         bar.finish_and_clear();
         let lies = prepared.lies(stage.world().clone());
-        let listener = runtime.block_on(network::bind("127.0.0.1:0", Exposure::Loopback))?;
+        let listener = runtime.block_on(network::bind("127.0.0.1:0", &Exposure::Loopback))?;
         let address = listener.local_addr()?.to_string();
         let shutdown = CancellationToken::new();
         // If it ends early, the frames say so: no shader comes.
@@ -174,6 +174,7 @@ fn launch_config(constructor: &str, stage: &Stage, threads: usize) -> anyhow::Re
         constructor: ConstructorSource::Found(constructor.to_owned()),
         shader,
         shaders: 1,
+        bundle: None,
         constructor_grace: launch::GRACE,
         log: Arc::new(|who, line| {
             // Nothing is left to do if standard error is closed.

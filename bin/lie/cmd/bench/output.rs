@@ -91,13 +91,38 @@ pub(crate) fn envelope(parts: &[(&str, Value)]) -> Value {
 }
 
 pub(crate) fn write_report(path: &Path, title: &str, sections: Vec<Section>) -> anyhow::Result<()> {
+    rewrite_report(path, title, sections, &[])
+}
+
+/// Writes a report, but leaves in it what other commands wrote under these headings.
+pub(crate) fn rewrite_report(
+    path: &Path,
+    title: &str,
+    sections: Vec<Section>,
+    keep: &[&str],
+) -> anyhow::Result<()> {
     let report = Report {
         title: title.to_owned(),
         command_line: command_line(),
         machine: Machine::here(),
         sections,
     };
-    report.write(path)?;
+    report.rewrite(path, keep)?;
+    Ok(())
+}
+
+/// Puts a section into a report that another command wrote, with what it was measured by and on.
+pub(crate) fn put_into_report(path: &Path, mut section: Section) -> anyhow::Result<()> {
+    let machine = Machine::here();
+    let measured = format!(
+        "Measured by `{}`, on {} with {} cores, commit {}.",
+        command_line(),
+        machine.cpu,
+        machine.cores,
+        machine.commit.as_deref().unwrap_or("unknown")
+    );
+    section.paragraphs.insert(0, measured);
+    section.put_into(path)?;
     Ok(())
 }
 

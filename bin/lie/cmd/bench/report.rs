@@ -3,9 +3,10 @@ use std::path::PathBuf;
 use clap::Args;
 use lie_bench::{
     Contender, Figure, FrameRow, Panel, Stage,
+    builds::{self, BuildRow},
     converge::{self, ConvergeConfig, ConvergeRow, ConvergeSummary},
     figure4::{self, CostRow},
-    table1, table2,
+    growth, table1, table2,
 };
 
 use super::{
@@ -37,6 +38,7 @@ pub(crate) struct Report {
 /// What has been measured so far.
 #[derive(Default)]
 struct Results {
+    builds: Vec<BuildRow>,
     frames: Vec<FrameRow>,
     costs: Vec<CostRow>,
     panels: Vec<Panel>,
@@ -56,6 +58,7 @@ impl Report {
         say(table2::table(&results.frames).text())?;
         say(figure4::table(&results.costs).text())?;
         say(converge::summary_table(&results.summary).text())?;
+        say(builds::table(&results.builds).text())?;
         output::announce(&self.out)
     }
 
@@ -81,7 +84,20 @@ impl Report {
         let followed = follow(stage, &self.course(stage, threads))?;
         results.marks.extend(followed.rows);
         results.summary.extend(followed.summary);
+        results.builds.push(self.rebuild(stage)?);
         self.write(results)
+    }
+
+    /// Builds the stage's structure anew, on all cores.
+    fn rebuild(&self, stage: &Stage) -> anyhow::Result<BuildRow> {
+        let bar = output::progress_bar();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(process::cores())
+            .build()?;
+        let tell = output::teller(&bar);
+        let row = pool.install(|| builds::measure(stage, self.frames.repeat, &tell));
+        bar.finish_and_clear();
+        Ok(row)
     }
 
     fn course(&self, stage: &Stage, threads: usize) -> ConvergeConfig {
@@ -99,6 +115,7 @@ impl Report {
 
     fn write(&self, results: &Results) -> anyhow::Result<()> {
         let Results {
+            builds,
             frames,
             costs,
             marks,
@@ -112,6 +129,7 @@ impl Report {
                 ("figure4", figure4::json(costs)),
                 ("converge", converge::rows_json(marks)),
                 ("converge_summary", converge::summary_json(summary)),
+                ("builds", builds::json(builds)),
             ];
             args::write_json(path, &output::envelope(&parts))?;
         }
@@ -120,8 +138,10 @@ impl Report {
             table2::section(frames)?,
             figure4::section(costs, results.panels.clone()),
             converge::section(marks, summary)?,
+            builds::section(builds),
             gallery(&results.pictures),
         ];
-        output::write_report(&self.out, "Results", sections)
+        // Growth is measured by a command of its own, and takes far longer.
+        output::rewrite_report(&self.out, "Results", sections, &[growth::HEADING])
     }
 }

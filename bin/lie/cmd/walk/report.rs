@@ -127,6 +127,7 @@ impl Report {
             "trusted_fraction": stats.trusted_fraction,
             "lost_tiles": stats.lost_tiles,
             "reissued_tiles": stats.reissued_tiles,
+            "set_aside": stats.set_aside,
             "settled": self.settled,
             "pixel_bytes": stats.pixel_bytes,
             "constructor_sent_bytes": status.sent_bytes,

@@ -234,6 +234,10 @@ impl Accel for TwoLevelGrid {
             .filter(|&lane| self.is_blocked(&packet.ray(lane)))
             .fold(0, |blocked, lane| blocked | 1 << lane)
     }
+
+    fn bytes(&self) -> usize {
+        self.stats().bytes
+    }
 }
 
 #[cfg(test)]

@@ -48,6 +48,21 @@ pub(super) fn near<S: Simd, V: SimdFloat<S, Element = f32>>(
     (!((before & behind) | is_flat)).to_bitmask() as u32
 }
 
+/// The triangles whose plane some ray may cross on its way from 0 to 1, by the apex's offset from
+/// it ([`lie_geom::plane_offset`]) and the interval of directions: bit `i` for triangle `i`.
+#[inline(always)]
+pub(super) fn between<S: Simd, V: SimdFloat<S, Element = f32>>(
+    offset: V,
+    normal: [V; 3],
+    ways: [[f32; 3]; 2],
+) -> u32 {
+    let [least, most] = interval(normal, ways);
+    // Less far along than the plane is: the ray ends before it. In doubt it crosses.
+    let before = offset.simd_gt(0.0) & most.simd_le(offset);
+    let behind = offset.simd_lt(0.0) & least.simd_ge(offset);
+    (!(before | behind | offset.simd_eq(0.0))).to_bitmask() as u32
+}
+
 /// The least and the most that a scalar product may be.
 #[inline(always)]
 fn interval<S: Simd, V: SimdFloat<S, Element = f32>>(plane: [V; 3], ways: [[f32; 3]; 2]) -> [V; 2] {

@@ -24,7 +24,7 @@ pub(crate) type Lanes = [f32; PACKET];
 /// Sixteen rays, one coordinate after the other. Coherent ones (a tile of pixels, or many
 /// points towards one light) pay off; any others are still right.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub struct RayPacket {
     origin: [Lanes; 3],
     direction: [Lanes; 3],
@@ -91,6 +91,16 @@ impl RayPacket {
         packet
     }
 
+    /// The segments from one place to sixteen others ([`Ray::segment`]). Only the lanes whose bits
+    /// are set hit anything.
+    #[must_use]
+    #[inline(always)]
+    pub fn spread(apex: [f32; 3], targets: &[[f32; PACKET]; 3], lanes: u32) -> Self {
+        let mut packet = Self::segments(&everywhere(apex), targets, lanes);
+        packet.apex = Some(apex);
+        packet
+    }
+
     /// The segments between sixteen pairs of places ([`Ray::segment`]). Only the lanes whose
     /// bits are set hit anything.
     #[must_use]
@@ -142,7 +152,7 @@ impl RayPacket {
         }
         self.t_min[lane] = ray.t_min;
         // An undefined ray would poison comparisons; it hits nothing.
-        self.t_max[lane] = if ray.is_defined() {
+        self.t_max[lane] = if ray.is_defined() && !ray.t_max.is_nan() {
             ray.t_max
         } else {
             f32::NEG_INFINITY

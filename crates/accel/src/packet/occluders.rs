@@ -6,7 +6,7 @@ use lie_geom::{Aabb, Triangle, plane_offset};
 
 use super::{
     Lanes, PACKET, RayPacket,
-    fan_planes::{all_at, at, fan_planes, near},
+    fan_planes::{all_at, at, between, fan_planes, near},
     hits::PacketHits,
     rays::{Ahead, Rays},
     vector::{Wide, bits_of, load_axes, on_vectors, splat_axes},
@@ -17,14 +17,16 @@ use crate::Cutout;
 /// whole block at once. Many lists share them.
 #[derive(Clone, Debug, Default)]
 pub struct OccluderBlocks {
+    /// What is of now, and what was left of before.
     blocks: Vec<Block>,
+    /// How many triangles.
     len: usize,
 }
 
 /// Sixteen triangles, one coordinate after the other. A place left over is degenerate:
 /// nothing hits it.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 struct Block {
     corners: [[Lanes; 3]; 3],
     normal: [Lanes; 3],
@@ -46,11 +48,13 @@ pub struct BlockPart {
 #[derive(Clone, Debug, Default)]
 pub struct FanOccluders {
     apex: [f32; 3],
+    /// What is of now, and what was left of before.
     parts: Vec<FanPart>,
+    len: usize,
 }
 
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 struct FanPart {
     /// The planes through the apex and each edge, as of [`lie_geom::edge_planes`].
     planes: [[Lanes; 3]; 3],
@@ -61,19 +65,38 @@ struct FanPart {
     places: u32,
 }
 
+impl FanPart {
+    const EMPTY: Self = Self {
+        planes: [[[0.0; PACKET]; 3]; 3],
+        normal: [[0.0; PACKET]; 3],
+        offset: [0.0; PACKET],
+        indices: [u32::MAX; PACKET],
+        places: 0,
+    };
+}
+
+impl Block {
+    const EMPTY: Self = Self {
+        corners: [[[0.0; PACKET]; 3]; 3],
+        normal: [[0.0; PACKET]; 3],
+        indices: [u32::MAX; PACKET],
+    };
+}
+
 impl OccluderBlocks {
     /// Makes these the triangles, with their numbers in the scene: the `i`th is place `i % 16`
     /// of block `i / 16`. As many as both have.
     pub fn fill(&mut self, indices: &[u32], triangles: &[Triangle]) {
         self.len = indices.len().min(triangles.len());
-        self.blocks.clear();
         let chunks = indices.chunks(PACKET).zip(triangles.chunks(PACKET));
-        self.blocks.extend(chunks.map(|(indices, triangles)| {
-            let mut block = Block {
-                corners: [[[0.0; PACKET]; 3]; 3],
-                normal: [[0.0; PACKET]; 3],
-                indices: [u32::MAX; PACKET],
-            };
+        // In place, and kept when they are too many: blocks are large.
+        if self.blocks.len() < chunks.len() {
+            self.blocks.resize(chunks.len(), Block::EMPTY);
+        }
+        for (block, (indices, triangles)) in self.blocks.iter_mut().zip(chunks) {
+            if indices.len().min(triangles.len()) < PACKET {
+                block.clone_from(&Block::EMPTY);
+            }
             for (place, (&index, triangle)) in indices.iter().zip(triangles).enumerate() {
                 block.indices[place] = index;
                 for axis in 0..3 {
@@ -83,8 +106,24 @@ impl OccluderBlocks {
                     block.normal[axis][place] = triangle.normal[axis];
                 }
             }
-            block
-        }));
+        }
+    }
+
+    /// Where a list may be in the way to a box: bit `i` for `origins[i]`, of those in `lanes`. From
+    /// the others no segment ([`RayPacket::segments`]) to anywhere in the box is blocked.
+    #[must_use]
+    pub fn may_hide(
+        &self,
+        parts: &[BlockPart],
+        ends: Aabb,
+        origins: &[[f32; PACKET]; 3],
+        lanes: u32,
+    ) -> u32 {
+        on_vectors!(simd => may_hide(simd, self.filled(), parts, ends, origins, lanes))
+    }
+
+    fn filled(&self) -> &[Block] {
+        &self.blocks[..self.len.div_ceil(PACKET)]
     }
 
     /// How many triangles there are.
@@ -106,22 +145,36 @@ impl FanOccluders {
     #[inline]
     pub fn look_from(&mut self, apex: [f32; 3], blocks: &OccluderBlocks, parts: &[BlockPart]) {
         self.apex = apex;
-        self.parts.clear();
         let seen = &mut self.parts;
-        on_vectors!(simd => look_from(simd, seen, apex, &blocks.blocks, parts));
+        self.len = on_vectors!(simd => look_from(simd, seen, apex, None, blocks.filled(), parts));
+    }
+
+    /// The same without what cannot be in the way to a box ([`OccluderBlocks::may_hide`]): only
+    /// segments that end in it may be asked about.
+    #[inline]
+    pub fn look_to(
+        &mut self,
+        apex: [f32; 3],
+        ends: Aabb,
+        blocks: &OccluderBlocks,
+        parts: &[BlockPart],
+    ) {
+        self.apex = apex;
+        let (seen, ends) = (&mut self.parts, Some(ends));
+        self.len = on_vectors!(simd => look_from(simd, seen, apex, ends, blocks.filled(), parts));
     }
 }
 
 impl RayPacket {
     /// Which rays any triangle of a list blocks: bit `i` for ray `i`. All rays must start
-    /// where the list is seen from ([`Self::fan`]) and end in the box `ends`. `cutout` says where
-    /// triangles have holes; `None` means nowhere.
+    /// where the list is seen from ([`Self::fan`], [`Self::spread`]) and end in the box `ends`, if
+    /// there is one. `cutout` says where triangles have holes; `None` means nowhere.
     #[must_use]
     #[inline]
     pub fn blocked_by_fan(
         &self,
         list: &FanOccluders,
-        ends: Aabb,
+        ends: Option<Aabb>,
         cutout: Option<&dyn Cutout>,
     ) -> u32 {
         on_vectors!(simd => blocked_by_fan(simd, self, list, ends, cutout))
@@ -136,7 +189,7 @@ impl RayPacket {
         parts: &[BlockPart],
         cutout: Option<&dyn Cutout>,
     ) -> u32 {
-        on_vectors!(simd => blocked_by_parts(simd, self, &blocks.blocks, parts, cutout))
+        on_vectors!(simd => blocked_by_parts(simd, self, blocks.filled(), parts, cutout))
     }
 
     /// Which rays one triangle blocks, were it solid: bit `i` for ray `i`.
@@ -155,13 +208,54 @@ fn blocked_by<S: Simd>(simd: S, packet: &RayPacket, triangle: &Triangle) -> u32 
 }
 
 #[inline(always)]
+fn may_hide<S: Simd>(
+    simd: S,
+    blocks: &[Block],
+    parts: &[BlockPart],
+    ends: Aabb,
+    origins: &[Lanes; 3],
+    lanes: u32,
+) -> u32 {
+    let mut clear = lanes;
+    for part in parts {
+        let Some(block) = blocks.get(part.block as usize) else {
+            continue;
+        };
+        let corner: [Wide<S>; 3] = load_axes(simd, &block.corners[0]);
+        let normal = load_axes(simd, &block.normal);
+        let mut left = clear;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % PACKET;
+            left &= left - 1;
+            let apex = at(origins, lane);
+            let ways = ways_to(ends, apex);
+            let planes = fan_planes::<S, Wide<S>>(simd, &block.corners, apex);
+            let offset = plane_offset(corner, normal, splat_axes(simd, apex));
+            let in_way = near(&planes, ways) & between(offset, normal, ways);
+            if in_way & u32::from(part.places) != 0 {
+                clear &= !(1 << lane);
+            }
+        }
+    }
+    lanes & !clear
+}
+
+/// How many parts are made; those after them are of before.
+#[inline(always)]
 fn look_from<S: Simd>(
     simd: S,
     seen: &mut Vec<FanPart>,
     apex: [f32; 3],
+    ends: Option<Aabb>,
     blocks: &[Block],
     parts: &[BlockPart],
-) {
+) -> usize {
+    // In place, and kept when they are too many: they are large.
+    if seen.len() < parts.len() {
+        seen.resize(parts.len(), FanPart::EMPTY);
+    }
+    let ways = ends.map(|ends| ways_to(ends, apex));
+    let mut count = 0;
     for part in parts {
         let Some(block) = blocks.get(part.block as usize) else {
             continue;
@@ -170,21 +264,27 @@ fn look_from<S: Simd>(
         let corner: [Wide<S>; 3] = load_axes(simd, &block.corners[0]);
         let normal = load_axes(simd, &block.normal);
         let offset = plane_offset(corner, normal, splat_axes(simd, apex));
-        // Loops: arrays' `map` would be compiled apart, without the vector unit.
-        let mut stored = [[[0.0; PACKET]; 3]; 3];
-        for edge in 0..3 {
-            for axis in 0..3 {
-                stored[edge][axis] = planes[edge][axis].into();
+        let mut places = u32::from(part.places);
+        if let Some(ways) = ways {
+            places &= near(&planes, ways) & between(offset, normal, ways);
+            if places == 0 {
+                continue;
             }
         }
-        seen.push(FanPart {
-            planes: stored,
-            normal: block.normal,
-            offset: offset.into(),
-            indices: block.indices,
-            places: u32::from(part.places),
-        });
+        let to = &mut seen[count];
+        // Loops: arrays' `map` would be compiled apart, without the vector unit.
+        for edge in 0..3 {
+            for axis in 0..3 {
+                planes[edge][axis].store_slice(&mut to.planes[edge][axis]);
+            }
+        }
+        to.normal = block.normal;
+        offset.store_slice(&mut to.offset);
+        to.indices = block.indices;
+        to.places = places;
+        count += 1;
     }
+    count
 }
 
 #[inline(always)]
@@ -192,18 +292,16 @@ fn blocked_by_fan<S: Simd>(
     simd: S,
     packet: &RayPacket,
     list: &FanOccluders,
-    ends: Aabb,
+    ends: Option<Aabb>,
     cutout: Option<&dyn Cutout>,
 ) -> u32 {
-    // Where the rays go, at the least and at the most.
-    let ways = [
-        subtract(ends.min.to_array(), list.apex),
-        subtract(ends.max.to_array(), list.apex),
-    ];
+    let ways = ends.map(|ends| ways_to(ends, list.apex));
     let mut test = Test::new(simd, packet, cutout);
-    for part in &list.parts {
+    for part in &list.parts[..list.len] {
         let mut left = part.places;
-        if left.count_ones() > FEW {
+        if left.count_ones() > FEW
+            && let Some(ways) = ways
+        {
             let planes = [
                 load_axes::<S, Wide<S>>(simd, &part.planes[0]),
                 load_axes(simd, &part.planes[1]),
@@ -225,6 +323,15 @@ fn blocked_by_fan<S: Simd>(
         }
     }
     test.blocked
+}
+
+/// Where rays into a box go, at the least and at the most.
+#[inline(always)]
+fn ways_to(ends: Aabb, apex: [f32; 3]) -> [[f32; 3]; 2] {
+    [
+        subtract(ends.min.to_array(), apex),
+        subtract(ends.max.to_array(), apex),
+    ]
 }
 
 #[inline(always)]

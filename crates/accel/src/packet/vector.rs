@@ -1,7 +1,7 @@
 //! Numbers in vectors. A kernel is written once, for whatever vector unit its [`Simd`] token
 //! stands for, and [`on_vectors!`](super::on_vectors) chooses one at run time.
 
-#[cfg(not(test))]
+#[cfg(not(any(test, feature = "choose-unit")))]
 use fearless_simd::Level;
 use fearless_simd::{f32x16, mask32x16, prelude::*};
 
@@ -25,14 +25,16 @@ macro_rules! on_vectors {
 pub(crate) use on_vectors;
 
 /// The vector unit that kernels run on.
-#[cfg(not(test))]
+#[cfg(not(any(test, feature = "choose-unit")))]
 #[inline]
 pub(crate) fn unit() -> Level {
     Level::new()
 }
 
 #[cfg(test)]
-pub(crate) use under_test::{on_each_unit, unit};
+pub(crate) use crate::vector_unit::on_each_unit;
+#[cfg(any(test, feature = "choose-unit"))]
+pub(crate) use crate::vector_unit::unit;
 
 /// Numbers from memory.
 #[inline(always)]
@@ -82,36 +84,4 @@ pub(crate) fn extremes<S: Simd>(simd: S, values: Wide<S>, lanes: WideMask<S>) ->
     let least = lanes.select(values, Wide::splat(simd, f32::INFINITY));
     let most = lanes.select(values, Wide::splat(simd, f32::NEG_INFINITY));
     [least.reduce_min(), most.reduce_max()]
-}
-
-#[cfg(test)]
-mod under_test {
-    use std::cell::Cell;
-
-    use fearless_simd::{Level, prelude::*};
-
-    thread_local! {
-        static UNIT: Cell<Option<Level>> = const { Cell::new(None) };
-    }
-
-    pub(crate) fn unit() -> Level {
-        UNIT.get().unwrap_or_else(Level::new)
-    }
-
-    /// Does something on each vector unit that this machine has.
-    pub(crate) fn on_each_unit(work: impl Fn()) {
-        let widest = Level::new();
-        let mut units = vec![widest];
-        #[cfg(target_arch = "x86_64")]
-        {
-            units.extend(widest.as_avx2().map(Simd::level));
-            units.extend(widest.as_sse4_2().map(Simd::level));
-            units.extend(widest.as_sse2().map(Simd::level));
-        }
-        for unit in units {
-            UNIT.set(Some(unit));
-            work();
-        }
-        UNIT.set(None);
-    }
 }

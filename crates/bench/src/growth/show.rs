@@ -7,6 +7,9 @@ use crate::{
     table::{memory, ms, or_dash, percent, times},
 };
 
+/// The section's heading: another report keeps what stands under it.
+pub const HEADING: &str = "Growth with lights and triangles";
+
 /// The table.
 #[must_use]
 pub fn table(rows: &[GrowthRow]) -> Table {
@@ -26,7 +29,10 @@ pub fn table(rows: &[GrowthRow]) -> Table {
         "at a shader",
         "construct ms",
         "scene ms",
+        "hierarchy ms",
+        "hierarchy",
         "process",
+        "at most",
     ];
     let mut table = Table::new(&["grows", "integrator"], &numbers);
     for row in rows {
@@ -49,8 +55,11 @@ pub fn table(rows: &[GrowthRow]) -> Table {
             or_dash(lies.then_some(frame.lie_bytes), memory),
             or_dash(lies.then_some(frame.shader_bytes), memory),
             or_dash(lies.then_some(frame.construct_ms), ms),
-            ms(row.build_ms),
+            ms(row.build_ms - row.accel_build_ms),
+            ms(row.accel_build_ms),
+            memory(row.accel_bytes),
             or_dash(row.resident_bytes, memory),
+            or_dash(row.peak_bytes, memory),
         ]);
     }
     table
@@ -69,7 +78,10 @@ pub fn json(rows: &[GrowthRow]) -> Value {
         value["visibility_ms"] = row.frame.stages.visibility_ms.into();
         value["traced_ms"] = row.frame.stages.full_ms.into();
         value["build_ms"] = row.build_ms.into();
+        value["accel_build_ms"] = row.accel_build_ms.into();
+        value["accel_bytes"] = row.accel_bytes.into();
         value["resident_bytes"] = json!(row.resident_bytes);
+        value["peak_bytes"] = json!(row.peak_bytes);
     }
     values
 }
@@ -79,10 +91,13 @@ const ABOUT: [&str; 2] = [
     "*Lights*: closed rooms that are all alike, with ten points of light in each; the camera sees the \
      first, and a point there ten lights, however many rooms there are. *Triangles*: the \
      mosque under its hundred lights, carved more and more finely. Times are medians of the frame \
-     alone; the integrators render in turn within one run. *Visibility* is what of that goes to camera      rays and surfaces, *traced* what goes to lights that LIEs do not answer.",
-    "*Construct* is the time in which the LIEs of the view converged, *scene* that of making the scene and its \
-     hierarchy. *LIEs* is their memory with all evidence, *at a shader* without, and *process* the \
-     memory of the whole process with the scene and before there are LIEs.",
+     alone; the integrators render in turn within one run. *Visibility* is what of that goes to camera \
+     rays and surfaces, *traced* what goes to lights that LIEs do not answer.",
+    "*Construct* is the time in which the LIEs of the view were constructed, *scene* that of making the \
+     scene's triangles, once, and *hierarchy* that of building what finds hits in them, with its memory. \
+     *LIEs* is their memory with all evidence, *at a shader* without. *Process* is the memory of the whole \
+     process with the scene and before there are LIEs, *at most* the most that it had until then, \
+     in the steps before too.",
 ];
 
 /// The section of a report.
@@ -95,7 +110,7 @@ pub fn section(rows: &[GrowthRow]) -> Result<Section, BenchError> {
         figure(rows, Axis::Triangles, |row| row.triangles)?,
     ];
     Ok(Section {
-        heading: "Growth".to_owned(),
+        heading: HEADING.to_owned(),
         paragraphs: ABOUT.map(str::to_owned).to_vec(),
         tables: vec![table(rows)],
         figures: figures.into_iter().flatten().collect(),
@@ -151,6 +166,9 @@ mod tests {
             lights,
             triangles: 4711,
             build_ms: 12.5,
+            accel_build_ms: 2.5,
+            accel_bytes: 3_000_000,
+            peak_bytes: Some(9_000_000),
             resident_bytes: Some(7_000_000),
             frame,
         };
@@ -165,7 +183,9 @@ mod tests {
             })
             .collect();
         let text = table(&rows).text();
-        for part in ["lights", "1000", "4711", "300", "3.00×", "7.0 MB", "2000"] {
+        for part in [
+            "lights", "1000", "4711", "300", "3.00×", "7.0 MB", "2000", "3.0 MB", "9.0 MB",
+        ] {
             assert!(text.contains(part), "{part} in {text}");
         }
         let json = json(&rows);

@@ -1,4 +1,4 @@
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
 use lie_protocol::{
     CameraUpdate, ClientToConstructor as Out, ConstructorToClient as In, LieStatus, Ping, Pong,
@@ -6,17 +6,19 @@ use lie_protocol::{
 };
 use tokio::{
     io::{AsyncRead, ReadHalf, WriteHalf},
-    net::TcpStream,
     sync::{mpsc, watch},
     time::sleep,
 };
 use tokio_util::sync::CancellationToken;
 
-use super::{ClientConfig, ClientError};
+use super::{ClientConfig, ClientError, hub::Hub, tally::Tally};
 use crate::{
     connection::{self, LinkError, Receiver, Sender},
-    handshake, network,
+    handshake,
+    network::{self, NetworkError},
+    once::Once,
     outbox::{heartbeat, say_goodbye},
+    secure::Stream,
 };
 
 /// Pause before dialling the constructor again.
@@ -26,8 +28,8 @@ const PONGS: usize = 4;
 
 /// A connection that is welcome.
 pub(super) struct Link {
-    receiver: Receiver<ReadHalf<TcpStream>>,
-    sender: Sender<WriteHalf<TcpStream>>,
+    receiver: Receiver<ReadHalf<Stream>>,
+    sender: Sender<WriteHalf<Stream>>,
 }
 
 /// What the link moves.
@@ -35,11 +37,15 @@ pub(super) struct Ends {
     pub(super) cameras: watch::Receiver<Option<CameraUpdate>>,
     pub(super) statuses: watch::Sender<LieStatus>,
     pub(super) rosters: watch::Sender<Vec<RosterEntry>>,
+    pub(super) tally: Arc<Tally>,
 }
 
 /// Connects and is welcomed.
-pub(super) async fn open(config: &ClientConfig) -> Result<(SceneSummary, Link), ClientError> {
-    let stream = network::dial(&config.constructor, config.exposure).await?;
+pub(super) async fn open(
+    config: &ClientConfig,
+    tally: &Tally,
+) -> Result<(SceneSummary, Link), ClientError> {
+    let stream = network::dial(&config.constructor, &config.exposure).await?;
     let (mut receiver, mut sender) = connection::split(stream);
     let hello = handshake::hello(Role::Client, 0, 0);
     let refused = |cause| ClientError::Constructor {
@@ -47,36 +53,73 @@ pub(super) async fn open(config: &ClientConfig) -> Result<(SceneSummary, Link), 
         cause,
     };
     match handshake::greet(&mut receiver, &mut sender, hello).await {
-        Ok(In::Welcome(welcome)) => Ok((welcome.scene, Link { receiver, sender })),
-        Ok(In::Refuse(refusal)) => Err(refused(LinkError::Refused(refusal.reason))),
+        Ok(In::Welcome(welcome)) => {
+            tally.welcome(welcome.id);
+            Ok((welcome.scene, Link { receiver, sender }))
+        }
+        Ok(In::Refuse(refusal)) => Err(refused(handshake::refused(&receiver, refusal))),
         Ok(_) => Err(refused(LinkError::Rules("no welcome".to_owned()))),
         Err(error) => Err(refused(error)),
     }
 }
 
-/// Keeps the connection, dialling again when it is lost, until `shutdown`.
+impl Ends {
+    /// Moves nothing: for a constructor whose scene is not ours.
+    fn idle(tally: Arc<Tally>) -> Self {
+        Self {
+            cameras: watch::channel(None).1,
+            statuses: watch::Sender::default(),
+            rosters: watch::Sender::default(),
+            tally,
+        }
+    }
+}
+
+/// Keeps the connection, dialling again when it is lost, until `shutdown`. A constructor that
+/// comes back with another scene is waited out: it may be replaced by one with ours.
 pub(super) async fn keep(
     config: ClientConfig,
     mut link: Link,
     mut ends: Ends,
+    hub: Arc<Hub>,
     shutdown: CancellationToken,
 ) {
     loop {
-        match serve(link, &mut ends, &shutdown).await {
+        let served = match hub.other_scene() {
+            None => serve(link, &mut ends, &shutdown).await,
+            Some(_) => serve(link, &mut Ends::idle(ends.tally.clone()), &shutdown).await,
+        };
+        match served {
             Ok(()) => return,
             Err(error) => tracing::warn!("the constructor is gone: {error}; dialling again"),
         }
-        link = loop {
+        let mut reasons = Once::default();
+        let scene;
+        (scene, link) = loop {
             tokio::select! {
                 () = sleep(PAUSE) => {}
                 () = shutdown.cancelled() => return,
             }
-            match open(&config).await {
-                Ok((_, link)) => break link,
-                Err(error) => tracing::debug!("{error}"),
+            match open(&config, &ends.tally).await {
+                Ok(opened) => break opened,
+                // That it is not there yet was said.
+                Err(error @ ClientError::Network(NetworkError::Dial { .. })) => {
+                    tracing::debug!("{error}");
+                }
+                Err(error) => reasons.warn(&error.to_string()),
             }
         };
-        tracing::info!("the constructor is back");
+        if scene.hash == hub.scene {
+            tracing::info!("the constructor is back");
+            hub.constructor_holds(None);
+        } else {
+            tracing::warn!(
+                "the constructor is back with another scene, '{}': pictures of ours go on with \
+                 the shaders that still have it",
+                scene.name
+            );
+            hub.constructor_holds(Some(scene.name));
+        }
     }
 }
 
@@ -90,10 +133,11 @@ async fn serve(link: Link, ends: &mut Ends, shutdown: &CancellationToken) -> Res
         cameras,
         statuses,
         rosters,
+        tally,
     } = ends;
     tokio::select! {
         ended = listen(&mut receiver, statuses, rosters, &pongs) => ended,
-        ended = talk(&mut sender, cameras, owed_pongs, shutdown) => ended,
+        ended = talk(&mut sender, cameras, tally, owed_pongs, shutdown) => ended,
     }
 }
 
@@ -124,8 +168,9 @@ async fn listen<R: AsyncRead + Unpin>(
 }
 
 async fn talk(
-    sender: &mut Sender<WriteHalf<TcpStream>>,
+    sender: &mut Sender<WriteHalf<Stream>>,
     cameras: &mut watch::Receiver<Option<CameraUpdate>>,
+    tally: &Tally,
     mut pongs: mpsc::Receiver<Pong>,
     shutdown: &CancellationToken,
 ) -> Result<(), LinkError> {
@@ -142,6 +187,7 @@ async fn talk(
             Some(pong) = pongs.recv() => Out::Pong(pong),
             _ = heartbeat.tick() => {
                 nonce += 1;
+                sender.send(&Out::Report(tally.report())).await?;
                 Out::Ping(Ping { nonce })
             }
             () = shutdown.cancelled() => {

@@ -1,3 +1,5 @@
+mod company;
+
 use std::{
     collections::BTreeMap,
     time::{Duration, Instant},
@@ -10,23 +12,24 @@ use tokio::{sync::mpsc, time::sleep_until};
 use super::{
     ClientConfig, ClientError, Frame, FrameRequest, FrameStats, ShaderShare,
     hub::{Event, Hub, Link},
+    standing::Standings,
 };
 use crate::{
     pixels::PackedPixels,
     scheduler::{Completion, Scheduler, ShaderId, centre_out},
 };
-
-/// How often somebody who waits for shaders is told so.
-const REMINDER: Duration = Duration::from_secs(2);
+use company::{LOOK_ROUND, REMINDER};
 
 /// One frame in work.
 pub(super) struct FrameRun<'a> {
     number: u64,
+    view: u32,
     request: &'a FrameRequest,
     config: &'a ClientConfig,
     tiles: Vec<Tile>,
     scheduler: Scheduler,
     links: BTreeMap<ShaderId, (Link, u64)>,
+    standings: &'a mut Standings,
     stats: FrameStats,
     started: Instant,
     /// Since when there has been no shader.
@@ -41,6 +44,7 @@ impl<'a> FrameRun<'a> {
         number: u64,
         request: &'a FrameRequest,
         config: &'a ClientConfig,
+        standings: &'a mut Standings,
     ) -> Result<Self, ClientError> {
         let started = Instant::now();
         let sides = 1..=limit::FRAME_SIDE;
@@ -56,11 +60,13 @@ impl<'a> FrameRun<'a> {
         let order = centre_out(&centres, request.size.into());
         Ok(Self {
             number,
+            view: 0,
             request,
             config,
             scheduler: Scheduler::new(order, config.late),
             tiles,
             links: BTreeMap::new(),
+            standings,
             stats: FrameStats {
                 lie_version: u64::MAX,
                 ..FrameStats::default()
@@ -71,32 +77,41 @@ impl<'a> FrameRun<'a> {
         })
     }
 
+    /// Says whose frame it is, by the client's number at the constructor.
+    pub(super) fn of_view(self, view: u32) -> Self {
+        Self { view, ..self }
+    }
+
     /// Hands out tiles and takes them in until the film is full.
     pub(super) async fn finish(mut self, hub: &Hub) -> Result<Frame, ClientError> {
         let (links, mut events) = hub.attach(self.number);
-        for (id, link) in links {
-            self.join(id, link);
-        }
+        self.gather(links);
         self.assign();
         // Made while the first tiles are rendered.
         let mut film = Film::new(self.request.size);
         while !self.scheduler.is_done() {
             self.assign();
-            self.next_event(&mut events, &mut film).await?;
+            self.next_event(hub, &mut events, &mut film).await?;
         }
+        self.set_aside_the_silent();
         self.call_off_the_rest();
         Ok(self.into_frame(film))
     }
 
     async fn next_event(
         &mut self,
+        hub: &Hub,
         events: &mut mpsc::Receiver<Event>,
         film: &mut Film,
     ) -> Result<(), ClientError> {
-        let wake = match self.scheduler.next_deadline() {
-            Some(deadline) => deadline,
-            None => Instant::now() + REMINDER,
+        let look_round = if self.scheduler.has_reserves() {
+            LOOK_ROUND
+        } else {
+            REMINDER
         };
+        let wake = Instant::now() + look_round;
+        let deadline = self.scheduler.next_deadline();
+        let wake = deadline.map_or(wake, |deadline| deadline.min(wake));
         tokio::select! {
             event = events.recv() => match event {
                 Some(Event::Joined(id, link)) => self.join(id, link),
@@ -107,43 +122,25 @@ impl<'a> FrameRun<'a> {
             },
             () = sleep_until(wake.into()) => {}
         }
-        self.check_company()
-    }
-
-    /// Fails if there has been nobody for too long, and says so before.
-    fn check_company(&mut self) -> Result<(), ClientError> {
-        let now = Instant::now();
-        if self.scheduler.shaders() > 0 {
-            self.alone_since = now;
-            return Ok(());
-        }
-        let alone = now.duration_since(self.alone_since);
-        if alone >= self.config.shader_timeout {
-            return Err(ClientError::NoShaders(alone));
-        }
-        if now.duration_since(self.reminded) >= REMINDER {
-            self.reminded = now;
-            tracing::info!(
-                "waiting for a shader, for {} s now ({} of {} tiles are missing)",
-                alone.as_secs(),
-                self.scheduler.unfinished(),
-                self.tiles.len()
-            );
-        }
-        Ok(())
+        self.check_company(hub)
     }
 
     fn join(&mut self, id: ShaderId, link: Link) {
         if self.links.contains_key(&id) {
             return;
         }
-        let begin = ClientToShader::BeginFrame(self.request.begin(self.number));
+        let begin = ClientToShader::BeginFrame(self.request.begin(self.number, self.view));
         if link.outbox.try_send(begin).is_err() {
             // It is going or stuck: its session will say so, or die of silence.
             link.cut.cancel();
             return;
         }
-        self.scheduler.joined(id, 2 * link.threads as usize);
+        if self.standings.may_work(id, Instant::now()) {
+            let credits = self.standings.credits(id, 2 * link.threads as usize);
+            self.scheduler.joined(id, credits);
+        } else {
+            self.scheduler.joined_in_reserve(id);
+        }
         self.links.insert(id, (link, 0));
     }
 
@@ -192,6 +189,11 @@ impl<'a> FrameRun<'a> {
             return self.expel(id, &problem);
         }
         let completion = self.scheduler.completed(number, id, Instant::now());
+        if self.standings.proved(id)
+            && let Some((link, _)) = self.links.get(&id)
+        {
+            tracing::info!("shader {} works again", link.address);
+        }
         if completion == Completion::Duplicate {
             return;
         }

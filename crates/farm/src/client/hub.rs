@@ -3,7 +3,7 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use lie_protocol::{ClientToShader, SceneHash, TileDone};
+use lie_protocol::{ClientToShader, SceneHash, Text, TileDone};
 use tokio::sync::{mpsc, watch};
 use tokio_util::sync::CancellationToken;
 
@@ -18,6 +18,7 @@ pub(super) struct Hub {
     pub(super) scene: SceneHash,
     state: Mutex<State>,
     count: watch::Sender<usize>,
+    other_scene: watch::Sender<Option<Text>>,
 }
 
 #[derive(Default)]
@@ -51,16 +52,16 @@ impl Hub {
             scene,
             state: Mutex::default(),
             count: watch::Sender::new(0),
+            other_scene: watch::Sender::new(None),
         }
     }
 
     /// Makes a frame the one that hears events, and gives it the sessions there are.
-    pub(super) fn attach(&self, frame: u64) -> (Vec<(ShaderId, Link)>, mpsc::Receiver<Event>) {
+    pub(super) fn attach(&self, frame: u64) -> (BTreeMap<ShaderId, Link>, mpsc::Receiver<Event>) {
         let (sender, receiver) = mpsc::channel(EVENTS);
         let mut state = self.lock();
         state.frame = Some((frame, sender));
-        let links = state.links.iter().map(|(&id, link)| (id, link.clone()));
-        (links.collect(), receiver)
+        (state.links.clone(), receiver)
     }
 
     /// A session has begun.
@@ -103,6 +104,16 @@ impl Hub {
     pub(super) async fn wait_for(&self, count: usize) {
         // The sender lives as long as `self`, so this cannot fail.
         let _ = self.count.subscribe().wait_for(|&now| now >= count).await;
+    }
+
+    /// The constructor holds this scene now, which is not ours; `None` if it is.
+    pub(super) fn constructor_holds(&self, other: Option<Text>) {
+        self.other_scene.send_replace(other);
+    }
+
+    /// The name of the scene that the constructor holds, if it is another than ours.
+    pub(super) fn other_scene(&self) -> Option<Text> {
+        self.other_scene.borrow().clone()
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

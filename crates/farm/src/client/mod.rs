@@ -6,11 +6,13 @@ mod frame_run;
 mod hub;
 mod request;
 mod shader_link;
+mod standing;
+mod tally;
 
 use std::{sync::Arc, time::Duration};
 
 use glam::UVec2;
-use lie_protocol::{CameraUpdate, LieStatus, SceneSummary};
+use lie_protocol::{CameraUpdate, LieStatus, SceneSummary, Text};
 use lie_scene::Camera;
 use tokio::{sync::watch, task::JoinSet};
 use tokio_util::sync::CancellationToken;
@@ -23,6 +25,9 @@ use crate::{
 };
 use frame_run::FrameRun;
 use hub::Hub;
+use standing::Standings;
+use tally::Tally;
+use tracing::Instrument;
 
 pub use request::{Frame, FrameRequest, FrameStats, ShaderShare};
 
@@ -70,6 +75,17 @@ pub enum ClientError {
     /// Nobody renders.
     #[error("no shader was there for {} s", .0.as_secs_f32())]
     NoShaders(Duration),
+    /// The constructor was started anew with another scene, and nobody is left who renders ours.
+    #[error(
+        "the constructor at {address} now holds another scene, '{scene}', and nobody renders \
+         this one any more: connect again to see it"
+    )]
+    OtherScene {
+        /// Its address.
+        address: String,
+        /// The name of its scene.
+        scene: Text,
+    },
     /// The frame cannot be asked for.
     #[error("the frame's size or samples are out of their limits")]
     Request,
@@ -84,6 +100,8 @@ pub struct Client {
     camera: watch::Sender<Option<CameraUpdate>>,
     status: watch::Receiver<LieStatus>,
     frames: u64,
+    standings: Standings,
+    tally: Arc<Tally>,
     shutdown: CancellationToken,
     _tasks: JoinSet<()>,
 }
@@ -95,7 +113,8 @@ impl Client {
     /// [`ClientError`] if the constructor is not there or does not want us.
     pub async fn connect(config: ClientConfig) -> Result<Self, ClientError> {
         let shutdown = CancellationToken::new();
-        let (summary, link) = constructor_link::open(&config).await?;
+        let tally = Arc::<Tally>::default();
+        let (summary, link) = constructor_link::open(&config, &tally).await?;
         let hub = Arc::new(Hub::new(summary.hash));
         let (camera, cameras) = watch::channel(None);
         let (statuses, status) = watch::channel(LieStatus::default());
@@ -104,14 +123,16 @@ impl Client {
             cameras,
             statuses,
             rosters,
+            tally: tally.clone(),
         };
         let mut tasks = JoinSet::new();
-        let constructor = constructor_link::keep(config.clone(), link, ends, shutdown.clone());
+        let constructor =
+            constructor_link::keep(config.clone(), link, ends, hub.clone(), shutdown.clone());
         tasks.spawn(constructor);
         tasks.spawn(shader_link::keep_all(
             hub.clone(),
             roster,
-            config.exposure,
+            config.exposure.clone(),
             shutdown.clone(),
         ));
         Ok(Self {
@@ -121,6 +142,8 @@ impl Client {
             camera,
             status,
             frames: 0,
+            standings: Standings::default(),
+            tally,
             shutdown,
             _tasks: tasks,
         })
@@ -136,6 +159,13 @@ impl Client {
     #[must_use]
     pub fn status(&self) -> watch::Receiver<LieStatus> {
         self.status.clone()
+    }
+
+    /// The name of the scene that the constructor holds now, if it came back with another. Frames
+    /// of ours go on for as long as there are shaders that have it.
+    #[must_use]
+    pub fn other_scene(&self) -> Option<Text> {
+        self.hub.other_scene()
     }
 
     /// Shaders that are connected now.
@@ -179,11 +209,19 @@ impl Client {
     /// shader that is lost is replaced by the others.
     ///
     /// # Errors
-    /// [`ClientError::NoShaders`] if there is none for too long.
+    /// [`ClientError::NoShaders`] if there is none for too long, and at once
+    /// [`ClientError::OtherScene`] if none will come.
     pub async fn render_frame(&mut self, request: &FrameRequest) -> Result<Frame, ClientError> {
         self.frames += 1;
-        let run = FrameRun::new(self.frames, request, &self.config)?;
-        run.finish(&self.hub).await
+        let view = self.tally.view();
+        let run = FrameRun::new(self.frames, request, &self.config, &mut self.standings)?;
+        let run = run.of_view(view);
+        let span = tracing::error_span!("frame", view, frame = self.frames);
+        self.tally.begin();
+        let frame = run.finish(&self.hub).instrument(span.clone()).await?;
+        self.tally.finished(&frame.stats);
+        span.in_scope(|| tracing::debug!("a frame is done in {:.1} ms", frame.stats.frame_ms));
+        Ok(frame)
     }
 }
 

@@ -50,8 +50,10 @@ pub struct FrameStats {
     pub trusted_fraction: f64,
     /// Tiles that were in flight at shaders that went away.
     pub lost_tiles: u64,
-    /// Tiles that were given to a second shader because they were late.
+    /// How often a tile was given to another shader as well because it was late.
     pub reissued_tiles: u64,
+    /// Shaders that were not asked at first, since they had let frames before wait.
+    pub set_aside: u64,
     /// Bytes of pixels as they travelled.
     pub pixel_bytes: u64,
     /// Summed over tiles: milliseconds that they waited at their shader for a thread.
@@ -80,9 +82,10 @@ pub struct ShaderShare {
 }
 
 impl FrameRequest {
-    pub(super) fn begin(&self, frame: u64) -> BeginFrame {
+    pub(super) fn begin(&self, frame: u64, view: u32) -> BeginFrame {
         BeginFrame {
             frame,
+            view,
             camera: convert::wire_camera(&self.camera),
             size: self.size.to_array(),
             samples_per_pixel: self.samples_per_pixel,

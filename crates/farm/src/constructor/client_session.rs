@@ -11,7 +11,7 @@ use tokio::{
     time::{MissedTickBehavior, interval},
 };
 
-use super::{Shared, registry::Member, registry::roster};
+use super::{Shared, census::ClientRecord, registry::Member, registry::roster};
 use crate::{
     View,
     connection::{LinkError, Receiver, Sender},
@@ -28,7 +28,8 @@ const PONGS: usize = 4;
 pub(super) async fn run<R, W>(
     shared: &Shared,
     member: &Member<'_>,
-    receiver: Receiver<R>,
+    record: &ClientRecord,
+    mut receiver: Receiver<R>,
     mut sender: Sender<W>,
 ) -> Result<(), LinkError>
 where
@@ -39,11 +40,13 @@ where
         id: member.id(),
         scene: shared.summary.clone(),
     };
+    receiver.count_into(&shared.census.traffic.from_clients);
+    sender.count_into(&shared.census.traffic.to_clients);
     sender.send(&Out::Welcome(welcome)).await?;
     tracing::info!("client {} has joined", member.id());
     let (pongs, owed_pongs) = mpsc::channel(PONGS);
     tokio::select! {
-        ended = listen(shared, member, receiver, &pongs) => ended,
+        ended = listen(shared, member, record, receiver, &pongs) => ended,
         ended = talk(shared, member, sender, owed_pongs) => ended,
     }
 }
@@ -51,6 +54,7 @@ where
 async fn listen<R: AsyncRead + Unpin>(
     shared: &Shared,
     member: &Member<'_>,
+    record: &ClientRecord,
     mut receiver: Receiver<R>,
     pongs: &mpsc::Sender<Pong>,
 ) -> Result<(), LinkError> {
@@ -60,7 +64,14 @@ async fn listen<R: AsyncRead + Unpin>(
                 let serial = update.serial;
                 let view = view(&update)?;
                 shared.views.set(member.id(), serial, view);
+                record.looked();
+                tracing::debug!(
+                    view = member.id(),
+                    camera = serial,
+                    "a client looks elsewhere"
+                );
             }
+            In::Report(report) => record.reported(report),
             In::Ping(Ping { nonce }) => {
                 // A full queue means that bytes are on their way: sign of life enough.
                 let _ = pongs.try_send(Pong { nonce });
@@ -111,13 +122,9 @@ async fn talk<W: AsyncWrite + Unpin>(
                 is_news = false;
                 let progress = progress.borrow_and_update();
                 let serial = progress.serials.get(&member.id());
-                let audited = shared.audits.total();
                 Out::LieStatus(LieStatus {
                     camera_serial: serial.copied().unwrap_or(0),
-                    sent_bytes: shared.sent.get(),
-                    audit_rays: audited.rays,
-                    audit_wrong: audited.wrong,
-                    ..progress.status
+                    ..shared.lie_status(&progress)
                 })
             }
             Some(pong) = pongs.recv() => Out::Pong(pong),

@@ -5,37 +5,40 @@
 //! construction publishes trees (`lie_feed`), sessions publish views (`views`).
 
 mod audits;
+mod census;
 mod client_session;
 mod construction;
 mod delta;
 mod lie_feed;
+mod listing;
+mod measured;
+mod rate;
 mod registry;
 mod saver;
 mod shader_session;
+mod status;
 mod views;
 
 use std::sync::Arc;
 
 use lie_accel::AccelKind;
-use lie_protocol::{Refuse, Role, SceneSummary, WireLieSettings};
+use lie_protocol::{ConstructorToObserver as Out, Refuse, Role, SceneSummary, WireLieSettings};
 use lie_render::World;
 use lie_scene::Scene;
-use tokio::{
-    net::{TcpListener, TcpStream},
-    sync::watch,
-};
+use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
     Builder, ConstructSettings, LieReplica, PublishedLies, View,
-    connection::{self, ByteCount, LinkError},
-    convert, handshake,
-    network::Exposure,
+    connection::{LinkError, Sender},
+    convert, handshake, metrics,
+    network::{Exposure, Ports},
     scene_blob::{self, BlobError, SceneBlob},
-    serve::serve,
+    serve::{Caller, Gate, Refusals, serve},
     snapshot::{SnapshotError, SnapshotFile},
 };
 use audits::Audits;
+use census::Census;
 use construction::{Construction, Progress};
 use lie_feed::LieFeed;
 use registry::Registry;
@@ -46,8 +49,8 @@ use views::Views;
 pub const MAX_SHADERS: usize = lie_protocol::limit::SHADERS;
 /// Most clients at once.
 pub const MAX_CLIENTS: usize = 64;
-/// Connections that have not said yet what they are.
-const MAX_STRANGERS: usize = 64;
+/// Connections past these that are told why they are too many.
+const SPARE: usize = 64;
 
 /// How a constructor works.
 #[derive(Clone, Debug)]
@@ -146,10 +149,10 @@ struct Shared {
     feed: LieFeed,
     views: Views,
     registry: Registry,
+    census: Census,
+    refusals: Arc<Refusals>,
     progress: watch::Sender<Progress>,
     audits: Audits,
-    /// To shaders.
-    sent: ByteCount,
     shutdown: CancellationToken,
 }
 
@@ -160,9 +163,10 @@ struct Shared {
 pub async fn run(
     config: ConstructorConfig,
     prepared: Prepared,
-    listener: TcpListener,
+    ports: impl Into<Ports>,
     shutdown: CancellationToken,
 ) -> Result<(), ConstructorError> {
+    let ports = ports.into();
     let lie = prepared.settings.lie;
     let shared = Arc::new(Shared {
         blob: prepared.blob,
@@ -175,10 +179,11 @@ pub async fn run(
         feed: LieFeed::new(prepared.builder.tree().clone()),
         views: Views::default(),
         registry: Registry::default(),
+        census: Census::new(),
+        refusals: Arc::default(),
         progress: watch::Sender::new(prepared.frozen.clone().unwrap_or_default()),
         // Where others mask a light, its cells are wrong on purpose.
         audits: Audits::new(prepared.frozen.is_none() && lie.masking == 0.0),
-        sent: ByteCount::default(),
         shutdown: shutdown.clone(),
     });
     let construction = match prepared.frozen {
@@ -192,16 +197,21 @@ pub async fn run(
             Some(started.map_err(|error| ConstructorError::Threads(error.to_string()))?)
         }
     };
-    let limit = MAX_SHADERS + MAX_CLIENTS + MAX_STRANGERS;
+    let gate = Gate {
+        exposure: config.exposure,
+        limit: MAX_SHADERS + MAX_CLIENTS + SPARE,
+        refusals: shared.refusals.clone(),
+    };
     let sessions = shared.clone();
-    serve(
-        listener,
-        config.exposure,
-        limit,
-        shutdown,
-        move |stream, peer| session(sessions.clone(), stream, peer),
-    )
-    .await;
+    let serving = serve(ports.farm, gate, shutdown, move |caller, peer| {
+        session(sessions.clone(), caller, peer)
+    });
+    let measured = shared.clone();
+    tokio::select! {
+        () = serving => {}
+        () = census::keep_rate(&shared) => {}
+        never = metrics::serve(ports.metrics, move || measured.metrics()) => match never {},
+    }
     shared.views.close();
     if let Some(construction) = construction {
         // At most one batch away, and what is to be saved.
@@ -216,26 +226,34 @@ pub async fn run(
 /// One connection, from the hello on.
 async fn session(
     shared: Arc<Shared>,
-    stream: TcpStream,
+    caller: Caller,
     peer: std::net::SocketAddr,
 ) -> Result<(), LinkError> {
-    let (mut receiver, mut sender) = connection::split(stream);
-    let hello = handshake::await_hello(&mut receiver, &mut sender).await?;
+    let Caller {
+        hello,
+        receiver,
+        mut sender,
+    } = caller;
     match hello.role {
         Role::Shader => {
             let Some(member) = shared.registry.join_shader(peer.ip(), &hello) else {
                 return Err(full(&mut sender, "shaders").await);
             };
-            shader_session::run(&shared, &member, receiver, sender).await
+            let record = shared.census.shader(member.id());
+            let result = shader_session::run(&shared, &member, &record, receiver, sender).await;
+            shared.census.shader_left(&result);
+            result
         }
         Role::Client => {
             let Some(member) = shared.registry.join_client() else {
                 return Err(full(&mut sender, "clients").await);
             };
-            let result = client_session::run(&shared, &member, receiver, sender).await;
+            let record = shared.census.client(member.id(), peer);
+            let result = client_session::run(&shared, &member, &record, receiver, sender).await;
             shared.views.remove(member.id());
             result
         }
+        Role::Observer => sender.send(&Out::Status(shared.status())).await,
         Role::Constructor => {
             let refusal = Refuse::new("a constructor has no business with a constructor");
             Err(handshake::refuse(&mut sender, refusal).await)
@@ -243,10 +261,7 @@ async fn session(
     }
 }
 
-async fn full<W: tokio::io::AsyncWrite + Unpin>(
-    sender: &mut connection::Sender<W>,
-    what: &str,
-) -> LinkError {
+async fn full<W: tokio::io::AsyncWrite + Unpin>(sender: &mut Sender<W>, what: &str) -> LinkError {
     let refusal = Refuse::new(&format!(
         "there are as many {what} as this constructor takes"
     ));

@@ -7,7 +7,7 @@ use tokio::{
     sync::mpsc,
 };
 
-use super::{Shared, delta::Parts, lie_feed::Update, registry::Member};
+use super::{Shared, census::ShaderRecord, delta::Parts, lie_feed::Update, registry::Member};
 use crate::{
     connection::{LinkError, Receiver, Sender},
     outbox::{heartbeat, say_goodbye},
@@ -29,7 +29,8 @@ const COMMANDS: usize = 16;
 pub(super) async fn run<R, W>(
     shared: &Shared,
     member: &Member<'_>,
-    receiver: Receiver<R>,
+    record: &ShaderRecord,
+    mut receiver: Receiver<R>,
     mut sender: Sender<W>,
 ) -> Result<(), LinkError>
 where
@@ -42,23 +43,27 @@ where
         scene_length: shared.blob.bytes().len() as u64,
         settings: shared.settings,
     };
-    sender.count_into(&shared.sent);
+    receiver.count_into(&record.received);
+    sender.count_into(&record.sent);
     sender.send(&Out::Welcome(welcome)).await?;
     tracing::info!("shader {} has joined", member.id());
     let (commands, orders) = mpsc::channel(COMMANDS);
     tokio::select! {
-        ended = listen(shared, receiver, &commands) => ended,
-        ended = talk(shared, member, sender, orders) => ended,
+        ended = listen(shared, record, receiver, &commands) => ended,
+        ended = talk(shared, member, record, sender, orders) => ended,
     }
 }
 
 async fn listen<R: AsyncRead + Unpin>(
     shared: &Shared,
+    record: &ShaderRecord,
     mut receiver: Receiver<R>,
     commands: &mpsc::Sender<Command>,
 ) -> Result<(), LinkError> {
     loop {
-        let command = match receiver.receive().await? {
+        let message = receiver.receive().await?;
+        record.heard();
+        let command = match message {
             In::SceneRequest(request) => Command::Scene(request),
             In::Subscribe(_) => Command::Subscribe,
             In::Ready(_) => Command::Ready,
@@ -68,7 +73,14 @@ async fn listen<R: AsyncRead + Unpin>(
                 let _ = commands.try_send(Command::Pong(Pong { nonce }));
                 continue;
             }
-            In::Pong(_) => continue,
+            In::Pong(Pong { nonce }) => {
+                record.answered(nonce);
+                continue;
+            }
+            In::Report(report) => {
+                record.reported(report);
+                continue;
+            }
             In::Audit(report) => {
                 if shared.audits.add(&report) {
                     shared.views.look_again();
@@ -88,6 +100,7 @@ async fn listen<R: AsyncRead + Unpin>(
 async fn talk<W: AsyncWrite + Unpin>(
     shared: &Shared,
     member: &Member<'_>,
+    record: &ShaderRecord,
     mut sender: Sender<W>,
     mut orders: mpsc::Receiver<Command>,
 ) -> Result<(), LinkError> {
@@ -126,6 +139,7 @@ async fn talk<W: AsyncWrite + Unpin>(
             }
             _ = heartbeat.tick() => {
                 nonce += 1;
+                record.asked(nonce);
                 sender.send(&Out::Ping(Ping { nonce })).await?;
             }
             () = shared.shutdown.cancelled() => {

@@ -72,6 +72,76 @@ fn a_late_tile_goes_to_an_idle_shader_once() {
 }
 
 #[test]
+fn a_tile_that_is_late_at_two_shaders_goes_to_a_third() {
+    let start = Instant::now();
+    let mut scheduler = Scheduler::new(0..3, LatePolicy::default());
+    for shader in 1..=3 {
+        scheduler.joined(shader, 1);
+    }
+    assert_eq!(scheduler.assign(start), [(1, 0), (2, 1), (3, 2)]);
+    // The first two hang.
+    assert_eq!(scheduler.completed(2, 3, at(start, 10)), Completion::First);
+    assert!(!scheduler.is_silent(1, at(start, 99)));
+    assert!(scheduler.is_silent(1, at(start, 100)));
+    assert!(!scheduler.is_silent(3, at(start, 100)));
+    assert_eq!(scheduler.assign(at(start, 100)), [(3, 0)]);
+    assert_eq!(scheduler.completed(0, 3, at(start, 110)), Completion::First);
+    assert_eq!(scheduler.assign(at(start, 110)), [(3, 1)]);
+    assert_eq!(scheduler.completed(1, 3, at(start, 120)), Completion::First);
+    assert!(scheduler.is_done());
+
+    let mut scheduler = Scheduler::new(0..1, LatePolicy::default());
+    scheduler.joined(1, 1);
+    scheduler.joined(2, 1);
+    assert_eq!(scheduler.assign(start), [(1, 0)]);
+    assert_eq!(scheduler.assign(at(start, 1000)), [(2, 0)]);
+    scheduler.joined(3, 1);
+    assert!(scheduler.assign(at(start, 1999)).is_empty());
+    assert_eq!(scheduler.next_deadline(), Some(at(start, 2000)));
+    assert_eq!(scheduler.assign(at(start, 2000)), [(3, 0)]);
+    assert_eq!(
+        scheduler.completed(0, 1, at(start, 2001)),
+        Completion::First
+    );
+    // Three times the mean, which is that one's time.
+    assert!(!scheduler.is_silent(1, at(start, 9000)), "it has answered");
+    assert!(!scheduler.is_silent(2, at(start, 7000)));
+    assert!(scheduler.is_silent(2, at(start, 1000 + 3 * 2001)));
+}
+
+#[test]
+fn a_shader_in_reserve_is_asked_when_all_others_are_late() {
+    let start = Instant::now();
+    let mut scheduler = Scheduler::new(0..5, LatePolicy::default());
+    scheduler.joined(1, 2);
+    scheduler.joined(2, 1);
+    scheduler.joined_in_reserve(3);
+    assert_eq!(scheduler.assign(start), [(1, 0), (1, 1), (2, 2)]);
+    assert!(scheduler.has_reserves());
+    // One finishes, the other hangs.
+    assert_eq!(scheduler.completed(2, 2, at(start, 90)), Completion::First);
+    assert_eq!(scheduler.assign(at(start, 90)), [(2, 3)]);
+    let late = at(start, 3 * 90);
+    assert!(scheduler.assign(late).is_empty(), "the second is in time");
+    // And now that one as well, while a tile waits.
+    assert_eq!(scheduler.assign(at(start, 90 + 3 * 90)), [(3, 4)]);
+    assert!(!scheduler.has_reserves());
+    let mut now = at(start, 400);
+    assert_eq!(scheduler.completed(4, 3, now), Completion::First);
+    for left in (0..3).rev() {
+        let given = scheduler.assign(now);
+        assert!(matches!(given[..], [(3, _)]), "{given:?}");
+        now += Duration::from_millis(1);
+        assert_eq!(scheduler.completed(given[0].1, 3, now), Completion::First);
+        assert_eq!(scheduler.unfinished(), left);
+    }
+
+    let mut scheduler = Scheduler::new(0..2, LatePolicy::default());
+    scheduler.joined_in_reserve(3);
+    assert_eq!(scheduler.assign(start), [(3, 0)], "there is nobody else");
+}
+
+#[test]
 fn a_late_tile_whose_second_shader_dies_stays_with_the_first() {
     let start = Instant::now();
     let mut scheduler = Scheduler::new(0..1, LatePolicy::default());
@@ -98,7 +168,7 @@ fn a_late_tile_that_nobody_can_take_over_wakes_nobody() {
     assert_eq!(scheduler.next_deadline(), None);
     assert!(scheduler.assign(at(start, 5000)).is_empty());
     assert_eq!(scheduler.next_deadline(), None);
-    let tile = *scheduler.shaders[&2].tiles.first().unwrap();
+    let (&tile, _) = scheduler.shaders[&2].tiles.first_key_value().unwrap();
     assert_eq!(
         scheduler.completed(tile, 2, at(start, 5000)),
         Completion::First
@@ -122,6 +192,7 @@ fn the_middle_comes_first() {
 #[derive(Clone, Copy, Debug)]
 enum Event {
     Join(u32),
+    Reserve(u32),
     Lose(u32),
     /// Of the tiles in flight; the first without an index.
     Complete(Option<prop::sample::Index>),
@@ -131,6 +202,7 @@ enum Event {
 fn event() -> impl Strategy<Value = Event> {
     prop_oneof![
         1 => (0u32..5).prop_map(Event::Join),
+        1 => (0u32..5).prop_map(Event::Reserve),
         1 => (0u32..5).prop_map(Event::Lose),
         6 => any::<prop::sample::Index>().prop_map(|index| Event::Complete(Some(index))),
         2 => (0u16..2000).prop_map(Event::Wait),
@@ -155,6 +227,11 @@ proptest! {
         for event in events.into_iter().chain(closing) {
             match event {
                 Event::Join(shader) => scheduler.joined(shader, credits(shader)),
+                Event::Reserve(shader) if scheduler.in_flight(shader) == 0 => {
+                    scheduler.lost(shader);
+                    scheduler.joined_in_reserve(shader);
+                }
+                Event::Reserve(_) => {}
                 Event::Lose(shader) => {
                     scheduler.lost(shader);
                     flying.retain(|&(holder, _)| holder != shader);

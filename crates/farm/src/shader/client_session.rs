@@ -13,7 +13,7 @@ use lie_protocol::{
 };
 use lie_render::Tile;
 use tokio::{
-    io::{AsyncRead, AsyncWrite},
+    io::AsyncRead,
     sync::{Notify, mpsc},
 };
 
@@ -23,8 +23,9 @@ use super::{
     stage::Stage,
 };
 use crate::{
-    connection::{LinkError, Receiver, Sender},
+    connection::{LinkError, Receiver},
     convert, handshake, outbox,
+    serve::Caller,
 };
 
 /// Tiles that a client may have outstanding, for each render thread; twice is what an
@@ -32,16 +33,12 @@ use crate::{
 const OUTSTANDING_PER_THREAD: u32 = 8;
 
 /// Serves a client until it leaves or the scene changes.
-pub(super) async fn run<R, W>(
-    shared: &Shared,
-    mut receiver: Receiver<R>,
-    mut sender: Sender<W>,
-) -> Result<(), LinkError>
-where
-    R: AsyncRead + Unpin,
-    W: AsyncWrite + Unpin,
-{
-    let hello = handshake::await_hello(&mut receiver, &mut sender).await?;
+pub(super) async fn run(shared: &Shared, caller: Caller) -> Result<(), LinkError> {
+    let Caller {
+        hello,
+        mut receiver,
+        mut sender,
+    } = caller;
     if hello.role != Role::Client {
         let refusal = Refuse::new("a shader takes clients alone");
         return Err(handshake::refuse(&mut sender, refusal).await);
@@ -55,7 +52,10 @@ where
         scene: stage.scene,
         threads: shared.threads,
     };
+    receiver.count_into(&shared.meter.from_clients);
+    sender.count_into(&shared.meter.to_clients);
     sender.send(&Out::Welcome(welcome)).await?;
+    let _here = shared.meter.clients.hold();
 
     let most = OUTSTANDING_PER_THREAD * shared.threads;
     let (outbox, messages) = mpsc::channel(2 * most as usize + 16);
@@ -123,8 +123,11 @@ impl Session<'_> {
         }
         self.void_before(begin.frame);
         let broken = |error: convert::ConvertError| LinkError::Rules(error.to_string());
+        let span = tracing::error_span!("frame", view = begin.view, frame = begin.frame);
+        span.in_scope(|| tracing::debug!("a frame is begun"));
         self.frame = Some(Arc::new(FrameWork {
             number: begin.frame,
+            span,
             begun: Instant::now(),
             stage: self.stage.clone(),
             camera: convert::camera(&begin.camera).map_err(broken)?,

@@ -8,7 +8,10 @@ mod assembly;
 mod audit;
 mod client_session;
 mod ledger;
+mod measured;
+mod meter;
 mod render_pool;
+mod report;
 mod scene_fetch;
 mod stage;
 mod upstream;
@@ -16,18 +19,17 @@ mod upstream;
 use std::sync::Arc;
 
 use lie_accel::AccelKind;
-use tokio::{
-    net::{TcpListener, TcpStream},
-    sync::watch,
-};
+use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
     cache::SceneCache,
-    connection::{self, LinkError},
-    network::Exposure,
-    serve::serve,
+    connection::LinkError,
+    metrics,
+    network::{Exposure, Ports},
+    serve::{Gate, Refusals, serve},
 };
+use meter::Meter;
 use render_pool::RenderPool;
 use stage::Stage;
 
@@ -65,12 +67,23 @@ pub enum ShaderError {
     /// The constructor's address can never be dialled.
     #[error(transparent)]
     Constructor(#[from] crate::network::NetworkError),
+    /// There is somebody at the constructor's address, but not for us.
+    #[error("the constructor at {address}: {cause}")]
+    Refused {
+        /// Its address.
+        address: String,
+        /// What is in the way.
+        cause: LinkError,
+    },
 }
 
 /// What all sessions share.
 struct Shared {
     stage: watch::Sender<Option<Arc<Stage>>>,
     pool: RenderPool,
+    /// What is done here, counted.
+    meter: Arc<Meter>,
+    refusals: Arc<Refusals>,
     threads: u32,
     shutdown: CancellationToken,
 }
@@ -79,44 +92,50 @@ struct Shared {
 /// back: as long as there is a scene, clients are served with what is at hand.
 ///
 /// # Errors
-/// [`ShaderError`], at the start only.
+/// [`ShaderError`], at the start only: once a constructor has taken us in, whatever happens
+/// to it may pass.
 pub async fn run(
     config: ShaderConfig,
-    listener: TcpListener,
+    ports: impl Into<Ports>,
     shutdown: CancellationToken,
 ) -> Result<(), ShaderError> {
-    let port = listener.local_addr().map_err(ShaderError::Listener)?.port();
+    let ports = ports.into();
+    let address = ports.farm.local_addr().map_err(ShaderError::Listener)?;
     let threads = config.threads.max(1);
+    let meter = Arc::<Meter>::default();
+    let pool = RenderPool::start(threads, config.audit, meter.clone());
     let shared = Arc::new(Shared {
         stage: watch::Sender::new(None),
-        pool: RenderPool::start(threads, config.audit).map_err(ShaderError::Threads)?,
+        pool: pool.map_err(ShaderError::Threads)?,
+        meter,
+        refusals: Arc::default(),
         threads: threads as u32,
         shutdown: shutdown.clone(),
     });
-    let exposure = config.exposure;
+    let gate = Gate {
+        exposure: config.exposure.clone(),
+        limit: MAX_CLIENTS,
+        refusals: shared.refusals.clone(),
+    };
     let sessions = shared.clone();
-    let serving = serve(
-        listener,
-        exposure,
-        MAX_CLIENTS,
-        shutdown.clone(),
-        move |stream, _peer| session(sessions.clone(), stream),
-    );
+    let serving = serve(ports.farm, gate, shutdown.clone(), move |caller, _peer| {
+        let shared = sessions.clone();
+        async move { client_session::run(&shared, caller).await }
+    });
     let upstream = async {
-        let result = upstream::keep(&config, &shared, port).await;
+        let result = upstream::keep(&config, &shared, address.port()).await;
         if result.is_err() {
             shutdown.cancel();
         }
         result
     };
-    let ((), result) = tokio::join!(serving, upstream);
+    let measured = shared.clone();
+    let ((), result) = tokio::select! {
+        ended = async { tokio::join!(serving, upstream) } => ended,
+        never = metrics::serve(ports.metrics, move || measured.metrics()) => match never {},
+    };
     shared.pool.close();
     result
-}
-
-async fn session(shared: Arc<Shared>, stream: TcpStream) -> Result<(), LinkError> {
-    let (receiver, sender) = connection::split(stream);
-    client_session::run(&shared, receiver, sender).await
 }
 
 #[cfg(test)]

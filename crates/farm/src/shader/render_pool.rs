@@ -18,7 +18,7 @@ use lie_render::{FrameSettings, LieLookup, RenderStats, Tile, render_tile};
 use lie_scene::Camera;
 use tokio::sync::{Notify, mpsc};
 
-use super::{audit, stage::Stage};
+use super::{audit, meter::Meter, stage::Stage};
 use crate::pixels;
 
 /// A client's frame, shared by its tiles.
@@ -34,12 +34,21 @@ pub(super) struct FrameWork {
     pub(super) compression: Compression,
     /// Nobody wants this frame any more.
     pub(super) cancelled: AtomicBool,
+    /// What its lines in the log belong to.
+    pub(super) span: tracing::Span,
     /// Tiles that are queued or in work.
     pub(super) outstanding: AtomicU32,
     /// To the client.
     pub(super) outbox: mpsc::Sender<ShaderToClient>,
     /// Rings when the box is full: the session must end, or a tile would be missed for ever.
     pub(super) overflow: Arc<Notify>,
+}
+
+impl FrameWork {
+    fn complain(&self, not_done: &str, tile: Tile) {
+        let complain = || tracing::error!("tile {tile:?} could not be {not_done}");
+        self.span.in_scope(complain);
+    }
 }
 
 /// One tile to render.
@@ -59,6 +68,7 @@ pub(super) struct RenderPool(Arc<Queue>);
 struct Queue {
     state: Mutex<State>,
     news: Condvar,
+    meter: Arc<Meter>,
 }
 
 #[derive(Default)]
@@ -69,8 +79,11 @@ struct State {
 
 impl RenderPool {
     /// Starts the threads. After a tile they check this share of its pixels.
-    pub(super) fn start(threads: usize, audit: f32) -> io::Result<Self> {
-        let queue = Arc::new(Queue::default());
+    pub(super) fn start(threads: usize, audit: f32, meter: Arc<Meter>) -> io::Result<Self> {
+        let queue = Arc::new(Queue {
+            meter,
+            ..Queue::default()
+        });
         for index in 0..threads {
             let queue = queue.clone();
             thread::Builder::new()
@@ -83,14 +96,19 @@ impl RenderPool {
     /// Adds a tile to the queue.
     pub(super) fn submit(&self, job: Job) {
         job.frame.outstanding.fetch_add(1, Ordering::Relaxed);
-        self.0.lock().jobs.push_back(job);
+        let mut state = self.0.lock();
+        state.jobs.push_back(job);
+        self.0.meter.queued.set(state.jobs.len());
+        drop(state);
         self.0.news.notify_one();
     }
 
     /// Drops the tiles of cancelled frames now, rather than when their turn comes.
     pub(super) fn forget_cancelled(&self) {
         let cancelled = |job: &Job| job.frame.cancelled.load(Ordering::Relaxed);
-        self.0.lock().jobs.retain(|job| !cancelled(job));
+        let mut state = self.0.lock();
+        state.jobs.retain(|job| !cancelled(job));
+        self.0.meter.queued.set(state.jobs.len());
     }
 
     /// Ends the threads when they have finished the tile at hand.
@@ -112,10 +130,10 @@ impl Queue {
     fn next(&self) -> Option<Job> {
         let idle = |state: &mut State| state.jobs.is_empty() && !state.closed;
         let waited = self.news.wait_while(self.lock(), idle);
-        waited
-            .unwrap_or_else(PoisonError::into_inner)
-            .jobs
-            .pop_front()
+        let mut state = waited.unwrap_or_else(PoisonError::into_inner);
+        let job = state.jobs.pop_front();
+        self.meter.queued.set(state.jobs.len());
+        job
     }
 }
 
@@ -126,13 +144,24 @@ fn work(queue: &Queue, audit: f32) {
         if job.frame.cancelled.load(Ordering::Relaxed) {
             continue;
         }
+        let busy = queue.meter.busy.hold();
         // A tile that cannot be rendered must not take its thread along.
         match catch_unwind(AssertUnwindSafe(|| render(&job, idle))) {
-            Ok(Some(done)) => deliver(&job.frame, done),
+            Ok(Some(done)) => {
+                queue.meter.tile(&done.report.cost);
+                // To enter a span may take a lock.
+                if tracing::enabled!(tracing::Level::TRACE) {
+                    let tile = job.request.tile;
+                    let tell = || tracing::trace!(tile, "a tile is done");
+                    job.frame.span.in_scope(tell);
+                }
+                deliver(&job.frame, done);
+            }
             Ok(None) => {}
-            Err(_) => tracing::error!("tile {:?} could not be rendered", job.tile),
+            Err(_) => job.frame.complain("rendered", job.tile),
         }
         job.frame.outstanding.fetch_sub(1, Ordering::Relaxed);
+        drop(busy);
         if audit > 0.0 && job.frame.integrator == WireIntegrator::Lie {
             let Job { frame, tile, .. } = &job;
             let checked = catch_unwind(AssertUnwindSafe(|| {
@@ -142,10 +171,11 @@ fn work(queue: &Queue, audit: f32) {
                     settings,
                     ..
                 } = &**frame;
-                audit::check(stage, camera, settings, *tile, audit, frame.number);
+                let found = audit::check(stage, camera, settings, *tile, audit, frame.number);
+                queue.meter.audited(found);
             }));
             if checked.is_err() {
-                tracing::error!("tile {:?} could not be checked", job.tile);
+                job.frame.complain("checked", job.tile);
             }
         }
         free = Instant::now();

@@ -3,11 +3,14 @@ use lie_protocol::{
     SceneChunk, SceneReady, ShaderToClient, ShaderToConstructor as In, ShaderWelcome, WireBody,
     WireCell, WireIntegrator, WireLieSettings,
 };
-use tokio::io::{ReadHalf, WriteHalf};
+use tokio::{
+    io::{ReadHalf, WriteHalf},
+    net::{TcpListener, TcpStream},
+};
 
 use super::*;
 use crate::{
-    connection::{Receiver, Sender},
+    connection::{self, Receiver, Sender},
     convert, handshake,
     scene_blob::{SceneBlob, encode, tests::full_scene},
 };
@@ -81,6 +84,7 @@ async fn welcome(listener: &TcpListener, blob: &SceneBlob) -> (Ends, bool) {
 fn begin(frame: u64) -> BeginFrame {
     BeginFrame {
         frame,
+        view: 1,
         camera: convert::wire_camera(&full_scene().cameras[0]),
         size: [1, 1],
         samples_per_pixel: 1,

@@ -67,7 +67,8 @@ pub(crate) fn opening() -> impl Strategy<Value = Opening> {
     let role = prop_oneof![
         Just(Role::Constructor),
         Just(Role::Shader),
-        Just(Role::Client)
+        Just(Role::Client),
+        Just(Role::Observer)
     ];
     let hello = (role, any::<u32>(), any::<u16>(), text()).prop_map(
         |(role, threads, listen_port, build)| Hello {
@@ -161,8 +162,23 @@ pub(crate) fn shader_to_constructor() -> impl Strategy<Value = ShaderToConstruct
         hash().prop_map(|scene| M::Subscribe(Subscribe { scene })),
         hash().prop_map(|scene| M::Ready(ShaderReady { scene })),
         audit().prop_map(M::Audit),
+        shader_report().prop_map(M::Report),
         any::<u64>().prop_map(|have_version| M::Resync(ResyncRequest { have_version })),
     ]
+}
+
+fn shader_report() -> impl Strategy<Value = ShaderReport> {
+    (any::<[u64; 7]>(), any::<[u32; 2]>()).prop_map(|(counts, now)| ShaderReport {
+        tiles: counts[0],
+        camera_rays: counts[1],
+        shadow_rays: counts[2],
+        list_rays: counts[3],
+        render_ns: counts[4],
+        lie_version: counts[5],
+        sent_bytes: counts[6],
+        clients: now[0],
+        outstanding: now[1],
+    })
 }
 
 fn audit() -> impl Strategy<Value = AuditReport> {
@@ -227,7 +243,19 @@ pub(crate) fn constructor_to_client() -> impl Strategy<Value = ConstructorToClie
                 ready,
             }
         });
-    let status = (any::<[u64; 10]>(), number(), any::<[bool; 2]>()).prop_map(
+    prop_oneof![
+        refuse().prop_map(M::Refuse),
+        ping().prop_map(M::Ping),
+        pong().prop_map(M::Pong),
+        goodbye().prop_map(M::Goodbye),
+        (any::<u32>(), summary()).prop_map(|(id, scene)| M::Welcome(ClientWelcome { id, scene })),
+        vec(entry, 0..5).prop_map(|shaders| M::Roster(Roster { shaders })),
+        lie_status().prop_map(M::LieStatus),
+    ]
+}
+
+fn lie_status() -> impl Strategy<Value = LieStatus> {
+    (any::<[u64; 10]>(), number(), any::<[bool; 2]>()).prop_map(
         |(
             [
                 version,
@@ -258,16 +286,84 @@ pub(crate) fn constructor_to_client() -> impl Strategy<Value = ConstructorToClie
             converged: flags[0],
             frozen: flags[1],
         },
-    );
-    prop_oneof![
-        refuse().prop_map(M::Refuse),
-        ping().prop_map(M::Ping),
-        pong().prop_map(M::Pong),
-        goodbye().prop_map(M::Goodbye),
-        (any::<u32>(), summary()).prop_map(|(id, scene)| M::Welcome(ClientWelcome { id, scene })),
-        vec(entry, 0..5).prop_map(|shaders| M::Roster(Roster { shaders })),
-        status.prop_map(M::LieStatus),
-    ]
+    )
+}
+
+fn client_report() -> impl Strategy<Value = ClientReport> {
+    any::<[u64; 4]>().prop_map(|counts| ClientReport {
+        frames: counts[0],
+        frame_us: counts[1],
+        lost_tiles: counts[2],
+        reissued_tiles: counts[3],
+    })
+}
+
+pub(crate) fn constructor_to_observer() -> impl Strategy<Value = ConstructorToObserver> {
+    use ConstructorToObserver as M;
+    use proptest::option;
+    let health = prop_oneof![
+        Just(ShaderHealth::Starting),
+        Just(ShaderHealth::Ready),
+        Just(ShaderHealth::Silent)
+    ];
+    let shader = (
+        any::<[u32; 2]>(),
+        text(),
+        health,
+        any::<[u64; 3]>(),
+        option::of(any::<u64>()),
+        option::of(shader_report()),
+    )
+        .prop_map(
+            |([id, threads], address, health, times, ping_us, report)| ShaderStatus {
+                id,
+                address,
+                threads,
+                health,
+                joined_ms: times[0],
+                heard_ms: times[1],
+                sent_bytes: times[2],
+                ping_us,
+                report,
+            },
+        );
+    let client = (
+        any::<u32>(),
+        text(),
+        any::<[u64; 2]>(),
+        option::of(client_report()),
+    )
+        .prop_map(|(id, address, [joined_ms, cameras], report)| ClientStatus {
+            id,
+            address,
+            joined_ms,
+            cameras,
+            report,
+        });
+    let status = (
+        (text(), text(), hash(), any::<[u64; 5]>()),
+        (lie_status(), number()),
+        (vec(shader, 0..4), vec(client, 0..4)),
+    )
+        .prop_map(
+            |((build, scene, hash, numbers), (lies, samples_per_s), (shaders, clients))| {
+                FarmStatus {
+                    build,
+                    scene,
+                    hash,
+                    triangles: numbers[0],
+                    lights: numbers[1],
+                    uptime_ms: numbers[2],
+                    lies,
+                    samples_per_s,
+                    shaders_joined: numbers[3],
+                    shaders_lost: numbers[4],
+                    shaders,
+                    clients,
+                }
+            },
+        );
+    prop_oneof![refuse().prop_map(M::Refuse), status.prop_map(M::Status),]
 }
 
 pub(crate) fn client_to_constructor() -> impl Strategy<Value = ClientToConstructor> {
@@ -283,6 +379,7 @@ pub(crate) fn client_to_constructor() -> impl Strategy<Value = ClientToConstruct
                 size
             }
         )),
+        client_report().prop_map(M::Report),
     ]
 }
 
@@ -330,32 +427,35 @@ pub(crate) fn client_to_shader() -> impl Strategy<Value = ClientToShader> {
     let begin = (
         any::<[u64; 2]>(),
         camera(),
-        any::<[u32; 4]>(),
+        any::<[u32; 5]>(),
         any::<[bool; 3]>(),
     )
         .prop_map(
-            |([frame, seed], camera, [x, y, samples_per_pixel, light_samples], flags)| BeginFrame {
-                frame,
-                camera,
-                size: [x, y],
-                samples_per_pixel,
-                light_samples,
-                integrator: if flags[0] {
-                    WireIntegrator::Lie
-                } else {
-                    WireIntegrator::Standard
-                },
-                seed,
-                format: if flags[1] {
-                    PixelFormat::F16
-                } else {
-                    PixelFormat::F32
-                },
-                compression: if flags[2] {
-                    Compression::Lz4
-                } else {
-                    Compression::None
-                },
+            |([frame, seed], camera, [x, y, samples_per_pixel, light_samples, view], flags)| {
+                BeginFrame {
+                    frame,
+                    view,
+                    camera,
+                    size: [x, y],
+                    samples_per_pixel,
+                    light_samples,
+                    integrator: if flags[0] {
+                        WireIntegrator::Lie
+                    } else {
+                        WireIntegrator::Standard
+                    },
+                    seed,
+                    format: if flags[1] {
+                        PixelFormat::F16
+                    } else {
+                        PixelFormat::F32
+                    },
+                    compression: if flags[2] {
+                        Compression::Lz4
+                    } else {
+                        Compression::None
+                    },
+                }
             },
         );
     prop_oneof![

@@ -3,20 +3,21 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 
 use super::Work;
-use crate::{FrameSettings, LieCell, LightPoints, World, ward};
+use crate::{FrameSettings, LieCell, LightPoints, World, cell_answers::CellAnswers, ward};
 
 /// Counts what [`crate::render_tile`] does at a surface point, stage by stage as there.
 pub(super) fn count_point(
     world: &World,
     settings: &FrameSettings,
-    cell: Option<&LieCell>,
+    answers: Option<&CellAnswers<'_>>,
     points: &LightPoints<'_>,
     work: &mut Work,
 ) {
-    match (cell, settings.ward) {
-        (Some(cell), _) => {
+    match (answers, settings.ward) {
+        (Some(answers), _) => {
+            let cell = answers.cell();
             count_unoccluded(world, cell, points, work);
-            count_partial(world, cell, points, work);
+            count_partial(world, answers, points, work);
             count_traced(world, cell.traced.iter(), points, work);
         }
         (None, None) => count_traced(world, all_lights(world), points, work),
@@ -39,13 +40,19 @@ fn count_unoccluded(world: &World, cell: &LieCell, points: &LightPoints<'_>, wor
     }
 }
 
-fn count_partial(world: &World, cell: &LieCell, points: &LightPoints<'_>, work: &mut Work) {
-    for (light, occluders) in cell.partial.lights() {
-        work.lane_evaluations += points.evaluations(world, light, false);
+fn count_partial(
+    world: &World,
+    answers: &CellAnswers<'_>,
+    points: &LightPoints<'_>,
+    work: &mut Work,
+) {
+    for (light, occluders) in answers.cell().partial.lights() {
+        let is_clear = answers.is_clear(light, points.surface.shadow_origin);
+        work.lane_evaluations += points.evaluations(world, light, is_clear);
         world.for_each_light_ray(light, points, |ray| {
             if ray.exact {
                 work.shadow_rays += 1;
-            } else {
+            } else if !is_clear {
                 work.list_rays += 1;
                 work.lane_tests += occluders;
             }

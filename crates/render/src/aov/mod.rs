@@ -176,7 +176,7 @@ struct Pass<'a> {
     light_strata: (u32, u32),
 }
 
-/// What the error to be expected is worked out in.
+/// What a pixel's cell answers, and what the error to be expected is worked out in.
 #[derive(Default)]
 struct Doubts<'a> {
     answers: Option<CellAnswers<'a>>,
@@ -207,34 +207,31 @@ impl<'a> Pass<'a> {
                 key,
                 strata: self.light_strata,
             };
-            count::count_point(self.world, self.settings, cell, &points, &mut sum.work);
+            if let Some(cell) = cell {
+                let new = || CellAnswers::new(self.world, cell);
+                doubts.answers.get_or_insert_with(new).turn_to(cell);
+            }
+            let answers = doubts.answers.as_ref();
+            count::count_point(self.world, self.settings, answers, &points, &mut sum.work);
             sum.normal += surface.shading_normal;
             sum.albedo += albedo(&brdf);
             if let (Some(total), Some(cell)) = (&mut sum.cell, cell) {
                 total.add(&self.cell_aov(cell, &surface));
-                total.expected_error += self.expected_error(cell, &points, doubts);
+                total.expected_error += self.expected_error(&points, doubts);
             }
         }
         sum.mean(hits, self.settings.samples_per_pixel)
     }
 
     /// Root mean square of the error to be expected at a point, as luminance.
-    fn expected_error(
-        &self,
-        cell: &'a LieCell,
-        points: &LightPoints<'_>,
-        doubts: &mut Doubts<'a>,
-    ) -> f32 {
-        let Some(odds) = self.lies.and_then(|lies| lies.odds) else {
+    fn expected_error(&self, points: &LightPoints<'_>, doubts: &mut Doubts<'_>) -> f32 {
+        let odds = self.lies.and_then(|lies| lies.odds);
+        let (Some(odds), Some(answers)) = (odds, &doubts.answers) else {
             return 0.0;
         };
         doubts.odds.clear();
         odds(points.surface.shadow_origin, &mut doubts.odds);
-        let world = self.world;
-        let new = || CellAnswers::new(world, cell);
-        let answers = doubts.answers.get_or_insert_with(new);
-        answers.turn_to(cell);
-        ExpectedError::of_point(world, answers, points, &doubts.odds).rms() as f32
+        ExpectedError::of_point(self.world, answers, points, &doubts.odds).rms() as f32
     }
 
     fn cell_aov(&self, cell: &LieCell, surface: &Surface) -> CellAov {

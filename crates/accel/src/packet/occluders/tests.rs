@@ -91,7 +91,7 @@ fn check_lists() {
         seen.look_from(apex.to_array(), &blocks, &parts);
         let bounds = Aabb::around(points);
         assert_eq!(
-            packet.blocked_by_fan(&seen, bounds, cutout),
+            packet.blocked_by_fan(&seen, Some(bounds), cutout),
             expected,
             "seed {seed}"
         );
@@ -100,6 +100,80 @@ fn check_lists() {
         open += count as u32 - expected.count_ones();
     }
     assert!(blocked > 200 && open > 200, "{blocked} blocked, {open} not");
+}
+
+#[test]
+fn a_list_that_may_not_hide_a_box_blocks_nothing_on_the_way_there() {
+    on_each_unit(check_clear);
+}
+
+fn check_clear() {
+    let geometry = soup(300, 5);
+    let shapes = geometry.shapes();
+    let mut blocks = OccluderBlocks::default();
+    let indices: Vec<u32> = (0..300).collect();
+    blocks.fill(&indices, shapes);
+    let mut seen = FanOccluders::default();
+    let (mut clear, mut hidden, mut idle) = (0, 0, 0);
+    for seed in 0..400 {
+        let key = RandomKey::new(seed);
+        let mut parts = list(key.mix(1), 19);
+        parts.truncate(1 + seed as usize % 6);
+        let (from, to) = (6.0 * vector(key, 0), 6.0 * vector(key, 1));
+        let extent = if seed % 2 == 0 { 0.05 } else { 1.0 };
+        let (mut origins, mut targets) = ([[0.0; PACKET]; 3], [[0.0; PACKET]; 3]);
+        // Flat, as a light is, and not.
+        let flat = if seed % 3 == 0 {
+            Vec3::new(1.0, 0.0, 1.0)
+        } else {
+            Vec3::ONE
+        };
+        let corner = |n: u32| to + extent * flat * vector(key, n);
+        let ends = Aabb::around([corner(100), corner(101), corner(102)]);
+        let mut within = vec![];
+        for lane in 0..PACKET {
+            let origin = from + 0.2 * vector(key, 10 + lane as u32);
+            let place = 0.5 * (vector(key, 50 + lane as u32) + Vec3::ONE);
+            within.push((ends.min + place * (ends.max - ends.min)).clamp(ends.min, ends.max));
+            for axis in 0..3 {
+                origins[axis][lane] = origin[axis];
+            }
+        }
+        let asked = if seed % 5 == 0 { 0x0f3f } else { 0xffff };
+        let doubt = blocks.may_hide(&parts, ends, &origins, asked);
+        assert_eq!(doubt & !asked, 0);
+        for turn in 0..PACKET {
+            for lane in 0..PACKET {
+                for axis in 0..3 {
+                    targets[axis][lane] = within[(lane + turn) % PACKET][axis];
+                }
+            }
+            let packet = RayPacket::segments(&origins, &targets, asked);
+            let blocked = packet.blocked_by_parts(&blocks, &parts, None);
+            assert_eq!(blocked & !doubt, 0, "seed {seed}");
+            hidden += blocked.count_ones();
+            // The other way round: all targets from one origin.
+            let apex = [0, 1, 2].map(|axis| origins[axis][turn]);
+            let spread = RayPacket::spread(apex, &targets, asked);
+            let expected = spread.blocked_by_parts(&blocks, &parts, None);
+            for is_narrowed in [false, true] {
+                if is_narrowed {
+                    seen.look_to(apex, ends, &blocks, &parts);
+                } else {
+                    seen.look_from(apex, &blocks, &parts);
+                }
+                for ends in [None, Some(ends)] {
+                    assert_eq!(spread.blocked_by_fan(&seen, ends, None), expected);
+                }
+            }
+            idle += (doubt & !blocked).count_ones();
+        }
+        clear += 16 * (asked & !doubt).count_ones();
+    }
+    assert!(
+        clear > 20_000 && hidden > 2000,
+        "{clear} clear, {hidden} hidden, {idle} idle"
+    );
 }
 
 #[test]
@@ -115,6 +189,6 @@ fn parts_that_name_no_block_block_nothing() {
     let mut seen = FanOccluders::default();
     seen.look_from([0.0; 3], &blocks, &parts);
     let bounds = Aabb::around([Vec3::ONE]);
-    assert_eq!(packet.blocked_by_fan(&seen, bounds, None), 0);
+    assert_eq!(packet.blocked_by_fan(&seen, Some(bounds), None), 0);
     assert_eq!(packet.blocked_by_parts(&blocks, &parts, None), 0);
 }
