@@ -46,6 +46,8 @@ pub(crate) fn build(
         .collect();
     let params = BvhBuildParams {
         max_prims_per_leaf: BLOCK as u32,
+        pre_split: true,
+        collapse_traversal_cost: 5.0,
         ..BvhBuildParams::medium_build()
     };
     let binary = build_bvh2_from_tris(&shapes, params, &mut std::time::Duration::default());
@@ -56,17 +58,17 @@ pub(crate) fn build(
         nodes: vec![],
         blocks: vec![],
     };
-    let bounds = bounds_of(&binary, 0);
-    if binary.nodes[0].is_leaf() {
+    let root = if binary.nodes[0].is_leaf() {
         let leaf = collapse.leaf(0);
-        collapse.nodes.push(Node::new(&[(bounds, leaf)]));
+        collapse.nodes.push(Node::new(&[leaf]));
+        leaf
     } else {
-        collapse.inner(0);
-    }
+        collapse.inner(0)
+    };
     Tree {
         nodes: collapse.nodes,
         blocks: collapse.blocks,
-        bounds,
+        bounds: root.0,
     }
 }
 
@@ -80,21 +82,22 @@ struct Collapse<'a> {
 }
 
 impl Collapse<'_> {
-    /// Emits the wide node that stands for an inner binary node and everything below.
-    fn inner(&mut self, root: usize) -> Child {
+    /// Emits the wide node that stands for an inner binary node, and everything below.
+    fn inner(&mut self, root: usize) -> (Aabb, Child) {
         let index = self.nodes.len();
         self.nodes.push(Node::new(&[]));
-        let mut children = vec![];
+        let (mut bounds, mut children) = (Aabb::EMPTY, vec![]);
         for child in self.open(root) {
-            let leads_to = if self.binary.nodes[child].is_leaf() {
+            let child = if self.binary.nodes[child].is_leaf() {
                 self.leaf(child)
             } else {
                 self.inner(child)
             };
-            children.push((bounds_of(self.binary, child), leads_to));
+            bounds = bounds.union(child.0);
+            children.push(child);
         }
         self.nodes[index] = Node::new(&children);
-        Child::node(index)
+        (bounds, Child::node(index))
     }
 
     /// Up to eight binary descendants: the inner one of largest area is opened until there
@@ -114,32 +117,43 @@ impl Collapse<'_> {
         open
     }
 
-    fn leaf(&mut self, leaf: usize) -> Child {
+    /// Emits a leaf's triangles, each once: several pieces of one may lie in it.
+    fn leaf(&mut self, leaf: usize) -> (Aabb, Child) {
         let node = &self.binary.nodes[leaf];
         let first = node.first_index as usize;
-        let triangles: Vec<(u32, Triangle, bool)> = self.binary.primitive_indices
-            [first..first + node.prim_count as usize]
-            .iter()
-            .map(|&index| {
-                let (id, triangle) = self.solid[index as usize];
-                (id, triangle, (self.has_holes)(id))
-            })
-            .collect();
+        let pieces = first..first + node.prim_count as usize;
+        let mut indices = self.binary.primitive_indices[pieces].to_vec();
+        indices.sort_unstable();
+        indices.dedup();
+        let triangle = |index: u32| {
+            let (id, triangle) = self.solid[index as usize];
+            (id, triangle, (self.has_holes)(id))
+        };
+        let triangles: Vec<(u32, Triangle, bool)> = indices.into_iter().map(triangle).collect();
         self.blocks.push(TriangleBlock::new(&triangles));
-        Child::leaf(self.blocks.len() - 1)
+        let bounds = bounds_of(self.binary, leaf, &triangles);
+        (bounds, Child::leaf(self.blocks.len() - 1))
     }
 }
 
-/// A node's box, one step larger on every side: a ray that runs within a face would else be
-/// neither in the box nor out of it, since no distance there times no bound is no bound.
-fn bounds_of(binary: &Bvh2, node: usize) -> Aabb {
+/// The box of a leaf. It may hold pieces of triangles, cut where obvhs split them: it is larger on every
+/// side by what the places of cuts may be wrong, so that no ray runs between two pieces. And by a
+/// step at the least: a ray that runs within a face would else be neither in the box nor out
+/// of it, since no distance there times no bound is no bound.
+fn bounds_of(binary: &Bvh2, leaf: usize, triangles: &[(u32, Triangle, bool)]) -> Aabb {
+    /// Of a place on an edge, `a + t (b - a)` with five roundings in `t`, by the largest coordinate;
+    /// twice the sum of them.
+    const CUT: f32 = 12.0 * f32::EPSILON;
     /// Times the largest inverse of a direction, far beyond any scene.
     const STEP: f32 = 1.0e-18;
-    let bounds = binary.nodes[node].aabb();
+    let corners = triangles.iter().flat_map(|(_, it, _)| [it.a, it.b, it.c]);
+    let largest = corners.fold(0.0, |largest: f32, at| largest.max(at.abs().max_element()));
+    let margin = CUT * largest + STEP;
+    let bounds = binary.nodes[leaf].aabb();
     let (min, max): (Vec3, Vec3) = (bounds.min.into(), bounds.max.into());
     Aabb {
-        min: min.map(|face| (face - STEP).min(face.next_down())),
-        max: max.map(|face| (face + STEP).max(face.next_up())),
+        min: min.map(|face| (face - margin).min(face.next_down())),
+        max: max.map(|face| (face + margin).max(face.next_up())),
     }
 }
 

@@ -15,8 +15,8 @@ use crate::{
 
 /// A bounding volume hierarchy over a scene's triangles.
 ///
-/// Invariant: node 0 is the root; every triangle that is not degenerate lies in exactly
-/// one block.
+/// Invariant: node 0 is the root; every triangle that is not degenerate lies in a block, a large one
+/// in several, for each a piece of it.
 pub struct Bvh {
     pub(crate) nodes: Vec<Node>,
     pub(crate) blocks: Vec<TriangleBlock>,
@@ -31,7 +31,7 @@ pub struct BvhStats {
     pub nodes: usize,
     /// Blocks of up to eight triangles.
     pub blocks: usize,
-    /// Triangles in them.
+    /// Triangles in them, one for each block that it lies in.
     pub triangles: usize,
     /// Memory of nodes and blocks.
     pub bytes: usize,

@@ -74,7 +74,7 @@ pub trait Accel: Send + Sync {
     }
 
     /// Adds to `found` the triangles that segments of a shaft may hit, and perhaps a few more,
-    /// up to `limit` in `found`. Says whether these are all: if not, there are too many, or the
+    /// each once, up to `limit` in `found`. Says whether these are all: if not, there are too many, or the
     /// structure cannot tell.
     fn inside(&self, shaft: &Shaft, limit: usize, found: &mut Vec<u32>) -> bool {
         let _ = (shaft, limit, found);

@@ -357,3 +357,47 @@ fn rays_through_vertices_and_along_edges_are_the_scalar_tests() {
         }
     });
 }
+
+/// Long triangles among many small ones: what obvhs cuts to pieces.
+fn slivers() -> Geometry {
+    let small = soup(2000, 41);
+    let mut corners: Vec<Vec3> = small
+        .shapes()
+        .iter()
+        .filter(|shape| (shape.b - shape.a).length() < 2.0)
+        .flat_map(|shape| [shape.a, shape.b, shape.c])
+        .collect();
+    let key = RandomKey::new(43);
+    for i in 0..20 {
+        let at = |n: u32| 6.0 * (2.0 * key.uniform(8 * i + n) - 1.0);
+        let (from, along) = (Vec3::new(-6.0, at(0), at(1)), Vec3::new(12.0, at(2), at(3)));
+        corners.extend([from, from + along, from + 0.5 * along + 0.3 * Vec3::Y]);
+    }
+    geometry(&corners)
+}
+
+#[test]
+fn no_ray_runs_between_the_pieces_of_a_triangle() {
+    /// obvhs cuts at twelfths of a box, and pieces again.
+    const CUTS: u32 = 144;
+    let geometry = slivers();
+    let bvh = Bvh::build(&geometry, None);
+    let stats = bvh.stats();
+    assert!(stats.triangles > geometry.len() + 40, "{stats:?}");
+    let long = geometry.shapes().iter().rev().take(20);
+    let mut rays = vec![];
+    for (shape, i) in long.zip(0..) {
+        for cut in 1..CUTS {
+            // A place on the triangle, and a way there within the plane of a cut.
+            let key = RandomKey::new(100 + i).mix(u64::from(cut));
+            let x = -6.0 + 12.0 * cut as f32 / CUTS as f32;
+            let along = (x - shape.a.x) / (shape.b.x - shape.a.x);
+            let inside = 0.2 * key.uniform(0) * Vec3::Y * along.min(1.0 - along);
+            let place = (shape.a + along * (shape.b - shape.a) + inside).with_x(x);
+            let way = Vec3::new(0.0, key.uniform(1) - 0.5, key.uniform(2) - 0.5);
+            rays.push(Ray::new(place - 20.0 * way, way));
+            rays.push(Ray::new(place - 20.0 * way, way + 1.0e-7 * Vec3::X));
+        }
+    }
+    on_each_unit(|| check_rays(&bvh, &geometry, None, &rays));
+}

@@ -284,10 +284,15 @@ fn inside_kernel<V: Volume>(
                 while left != 0 {
                     let lane = left.trailing_zeros() as usize;
                     left &= left - 1;
+                    // A large one lies in several blocks.
+                    let triangle = block.id(lane);
+                    if found.contains(&triangle) {
+                        continue;
+                    }
                     if found.len() == limit {
                         return false;
                     }
-                    found.push(block.id(lane));
+                    found.push(triangle);
                 }
             }
         }

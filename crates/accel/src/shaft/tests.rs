@@ -45,6 +45,7 @@ fn whatever_blocks_a_segment_is_inside() {
         let mut found = vec![];
         assert!(bvh.inside(&shaft, usize::MAX, &mut found));
         found.sort_unstable();
+        assert!(found.is_sorted_by(|a, b| a < b), "one is named twice");
         listed += found.len();
         let may_hit = |&index: &u32| shaft.may_hit(&geometry.shapes()[index as usize]);
         assert!(found.iter().all(may_hit));
@@ -80,6 +81,7 @@ fn whatever_blocks_a_segment_between_boxes_is_inside() {
         let mut found = vec![];
         assert!(bvh.inside_boxes(&shaft, usize::MAX, &mut found));
         found.sort_unstable();
+        assert!(found.is_sorted_by(|a, b| a < b), "one is named twice");
         listed += found.len();
         let may_hit = |&index: &u32| shaft.may_hit(&geometry.shapes()[index as usize]);
         assert!(found.iter().all(may_hit));
