@@ -1,0 +1,153 @@
+use std::{
+    fmt,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::PathBuf,
+    sync::{Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use lie_trial::{Dice, TARGETS, Target, mutated};
+
+use crate::{MEMORY, watch::Watch};
+
+/// What is more does not tell more.
+const MOST_FAILURES: usize = 10;
+/// How often a long course says how far it is.
+const NEWS: Duration = Duration::from_secs(60);
+
+/// Cases to run.
+pub(crate) struct Course {
+    seed: u64,
+    cases: std::ops::Range<u64>,
+}
+
+impl Course {
+    pub(crate) fn new(seed: u64, count: u64) -> Self {
+        Self {
+            seed,
+            cases: 0..count,
+        }
+    }
+
+    pub(crate) fn one(seed: u64, case: u64) -> Self {
+        Self {
+            seed,
+            cases: case..case + 1,
+        }
+    }
+}
+
+/// What went wrong.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Failure {
+    pub(crate) case: u64,
+    pub(crate) what: String,
+    /// The input.
+    pub(crate) file: PathBuf,
+}
+
+/// How it went.
+pub(crate) struct Report {
+    target: &'static str,
+    seed: u64,
+    cases: u64,
+    took: Duration,
+    /// Memory that a case took at most, and its number.
+    most: (usize, u64),
+    /// The longest case, and its number.
+    longest: (Duration, u64),
+    pub(crate) failures: Vec<Failure>,
+}
+
+pub(crate) fn target(name: &str) -> Target {
+    let mut all = TARGETS.into_iter();
+    all.find(|target| target.name == name).expect("a target")
+}
+
+/// Runs a course, up to a few failures.
+pub(crate) fn drive(target: &Target, course: &Course) -> Report {
+    // Memory is counted for the whole process: one after the other.
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let seeds = (target.seeds)();
+    let mut run = (target.open)();
+    // Whatever is set up at its first use belongs to no case.
+    seeds.iter().for_each(|seed| run(seed));
+    let watch = Watch::start(target.name, course.seed);
+    let (started, mut told) = (Instant::now(), Instant::now());
+    let mut report = Report {
+        target: target.name,
+        seed: course.seed,
+        cases: 0,
+        took: Duration::ZERO,
+        most: (0, 0),
+        longest: (Duration::ZERO, 0),
+        failures: vec![],
+    };
+    for case in course.cases.clone() {
+        let mut dice = Dice::new(course.seed, case);
+        let input = mutated(target.form, &seeds, &mut dice);
+        watch.begins(case);
+        let (before, clock) = (MEMORY.current_usage(), Instant::now());
+        MEMORY.reset_peak_usage();
+        let outcome = catch_unwind(AssertUnwindSafe(|| run(&input)));
+        let most = MEMORY.peak_usage().saturating_sub(before);
+        report.cases += 1;
+        report.longest = report.longest.max((clock.elapsed(), case));
+        report.most = report.most.max((most, case));
+        let limit = target.memory.of(input.len());
+        let what = match outcome {
+            Err(panic) => Some(format!("panics: {}", message(&*panic))),
+            Ok(()) if most > limit => {
+                Some(format!("takes {most} bytes of memory, its limit is {limit}"))
+            }
+            Ok(()) => None,
+        };
+        if let Some(what) = what {
+            let file = kept(target, course.seed, case, &input);
+            report.failures.push(Failure { case, what, file });
+            // What a panic left behind half done is nothing to go on with.
+            run = (target.open)();
+        }
+        if report.failures.len() == MOST_FAILURES {
+            break;
+        }
+        if told.elapsed() > NEWS {
+            told = Instant::now();
+            println!("{}: {} cases", target.name, report.cases);
+        }
+    }
+    report.took = started.elapsed();
+    report
+}
+
+fn message(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    text.unwrap_or("without a word").to_owned()
+}
+
+/// Writes an input to where it can be looked at.
+fn kept(target: &Target, seed: u64, case: u64, input: &[u8]) -> PathBuf {
+    let folder = std::env::temp_dir().join("lie-mutations");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join(format!("{}-{seed}-{case}", target.name));
+    std::fs::write(&file, input).unwrap();
+    file
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (seed, cases, took) = (self.seed, self.cases, self.took);
+        let (most, greediest) = self.most;
+        let (longest, slowest) = self.longest;
+        write!(
+            formatter,
+            "{}: {cases} cases of seed {seed} in {took:.1?}; at most {:.2} MiB (case {greediest}) \
+             and {longest:.1?} (case {slowest}); {} failures",
+            self.target,
+            most as f64 / f64::from(1 << 20),
+            self.failures.len()
+        )
+    }
+}
