@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-type Run = Box<dyn FnMut(&[u8])>;
+use lie_trial::Run;
 
 /// Feeds a target; gets it ready at the first time.
 ///

@@ -1,6 +1,6 @@
 //! Everything in the house that reads bytes from outside, as [`Target`]s: what to feed, what to
 //! do with it as the processes do, and how much memory that may take. Nothing here is part of
-//! the product; `crates/trial/tests/mutations.rs` and `fuzz/` drive it.
+//! the product; `tests/mutations` and `fuzz/` drive it.
 //!
 //! * [`TARGETS`] are the targets: messages, scenes on the wire, trees, snapshots, scene files,
 //!   bundles. Each has seeds of its own, made by the product itself.
@@ -11,7 +11,7 @@
 //! ```
 //! let target = lie_trial::TARGETS.iter().find(|target| target.name == "bundle").expect("one");
 //! let mut run = (target.open)();
-//! run(b"anything at all");
+//! assert!(!run(b"anything at all"));
 //! ```
 
 #![allow(
@@ -39,12 +39,15 @@ pub struct Target {
     /// Good input, which mutations start from.
     pub seeds: fn() -> Vec<Vec<u8>>,
     /// Gets ready to read any number of inputs. No input has an effect on another.
-    pub open: fn() -> Box<dyn FnMut(&[u8])>,
+    pub open: fn() -> Run,
     /// Memory that reading one input may take at most.
     pub memory: Memory,
     /// How its seeds are written, and so how they are best spoilt.
     pub form: Form,
 }
+
+/// Reads an input, and says whether anything in it was taken for good.
+pub type Run = Box<dyn FnMut(&[u8]) -> bool>;
 
 /// A limit of memory: so many bytes, and so many more for each byte of input.
 #[derive(Clone, Copy, Debug)]

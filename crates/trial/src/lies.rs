@@ -44,10 +44,11 @@ pub(crate) const SNAPSHOT: Target = Target {
         Box::new(move |bytes| {
             // The folder lives as long as this does.
             let _ = &folder;
-            for content in [bytes, &sealed(bytes)] {
+            let taken = [bytes, &sealed(bytes)].map(|content| {
                 fs::write(&path, content).unwrap();
-                restore(&path, &mut builder, &fixture);
-            }
+                restore(&path, &mut builder, &fixture)
+            });
+            taken.contains(&true)
         })
     },
     memory: Memory {
@@ -67,16 +68,21 @@ fn fit(builder: &Builder) -> TreeFit {
     }
 }
 
-fn read_tree(bytes: &[u8], fit: &TreeFit) {
+fn read_tree(bytes: &[u8], fit: &TreeFit) -> bool {
     let Ok(mut tree) = LieTree::from_bytes(bytes, fit) else {
-        return;
+        return false;
     };
     assert_eq!(tree.validate(), Ok(()));
     let again = LieTree::from_bytes(&tree.to_bytes(), fit).unwrap();
     assert!(again == tree);
     let _ = (tree.stats(), tree.commit());
     let states = tree.keys().into_iter().map(|key| tree.state(key));
-    assert!(states.flatten().all(|state| state.version <= tree.version()));
+    assert!(
+        states
+            .flatten()
+            .all(|state| state.version <= tree.version())
+    );
+    true
 }
 
 /// What a builder would leave behind.
@@ -103,11 +109,11 @@ fn sealed(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// Restores, and if that succeeds goes on as a constructor would.
-fn restore(path: &std::path::Path, builder: &mut Builder, fixture: &Fixture) {
+fn restore(path: &std::path::Path, builder: &mut Builder, fixture: &Fixture) -> bool {
     let file = SnapshotFile::new(path);
     let _ = file.check();
     if !file.restore(builder, fixture.hash).is_ok_and(|done| done) {
-        return;
+        return false;
     }
     assert_eq!(builder.tree().validate(), Ok(()));
     let size = UVec2::new(8, 4);
@@ -115,4 +121,5 @@ fn restore(path: &std::path::Path, builder: &mut Builder, fixture: &Fixture) {
     builder.look(&[View { camera, size }]);
     file.save(&builder.snapshot(), fixture.hash).unwrap();
     assert!(file.restore(builder, fixture.hash).unwrap());
+    true
 }

@@ -10,7 +10,7 @@ pub(crate) const TARGET: Target = Target {
     seeds,
     open: || Box::new(run),
     memory: Memory {
-        fixed: 1 << 20,
+        fixed: 2 << 20,
         for_each: 64,
     },
     form: Form::Bytes,
@@ -25,12 +25,15 @@ fn seeds() -> Vec<Vec<u8>> {
     scenes.iter().map(|scene| encode(scene).unwrap()).collect()
 }
 
-fn run(bytes: &[u8]) {
-    let Ok(scene) = decode(bytes) else { return };
+fn run(bytes: &[u8]) -> bool {
+    let Ok(scene) = decode(bytes) else {
+        return false;
+    };
     assert_eq!(scene.validate(), Ok(()));
     let _ = Summary::new(&scene).to_string();
     // Another process that gets it from us must understand it, and us.
     let again = encode(&scene).unwrap();
     let bytes = encode(&decode(&again).unwrap()).unwrap();
     assert!(bytes == again);
+    true
 }

@@ -39,9 +39,9 @@ fn input(way: Way, bytes: &[u8]) -> Vec<u8> {
     input
 }
 
-fn run(processes: &mut Processes, input: &[u8]) {
+fn run(processes: &mut Processes, input: &[u8]) -> bool {
     let Some((&first, bytes)) = input.split_first() else {
-        return;
+        return false;
     };
     let mut bytes = bytes.to_vec();
     if first & MENDED != 0
@@ -50,11 +50,13 @@ fn run(processes: &mut Processes, input: &[u8]) {
         bytes[8..Header::LENGTH].copy_from_slice(&(body as u32).to_le_bytes());
     }
     let way = Way::ALL[usize::from(first & !MENDED) % Way::ALL.len()];
-    way.read(processes, &bytes);
+    way.read(processes, &bytes)
 }
 
-/// Reads what comes in one direction, up to the first error, and hands on what is whole.
-fn read<M: Message + Clone>(bytes: &[u8], mut receive: impl FnMut(M)) {
+/// Reads what comes in one direction, up to the first error, and hands on what is whole. Says
+/// whether anything was.
+fn read<M: Message + Clone>(bytes: &[u8], mut receive: impl FnMut(M)) -> bool {
+    let mut is_taken = false;
     let mut decoder = Decoder::default();
     // As a socket gives it: neither message by message nor all at once.
     for piece in bytes.chunks(1400) {
@@ -64,13 +66,18 @@ fn read<M: Message + Clone>(bytes: &[u8], mut receive: impl FnMut(M)) {
                 Ok(Some(message)) => {
                     goes_round(&message);
                     receive(message);
+                    is_taken = true;
                 }
                 Ok(None) => break,
-                Err(error) => return check_error(&error),
+                Err(error) => {
+                    check_error(&error);
+                    return is_taken;
+                }
             }
         }
         assert!(decoder.pending() <= bytes.len());
     }
+    is_taken
 }
 
 /// What was read can be sent on, and is then read as the same.

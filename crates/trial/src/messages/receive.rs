@@ -103,16 +103,14 @@ impl Processes {
             size: settings.size.min(UVec2::splat(4)),
         };
         let never = AtomicBool::new(false);
-        let done = render_tile(
-            &self.fixture.world,
-            lies,
-            camera,
-            settings,
-            tile,
-            &never,
-        );
+        let done = render_tile(&self.fixture.world, lies, camera, settings, tile, &never);
         let done = done.unwrap();
-        assert!(done.radiance.radiance().iter().all(|pixel| pixel.is_finite()));
+        assert!(
+            done.radiance
+                .radiance()
+                .iter()
+                .all(|pixel| pixel.is_finite())
+        );
     }
 
     pub(super) fn constructor(&mut self, message: ShaderToConstructor) {
@@ -130,7 +128,10 @@ impl Processes {
         match message {
             ConstructorToClient::Welcome(welcome) => self.look_around(&welcome.scene),
             ConstructorToClient::Roster(roster) => {
-                roster.shaders.iter().for_each(|entry| check_text(&entry.address));
+                roster
+                    .shaders
+                    .iter()
+                    .for_each(|entry| check_text(&entry.address));
             }
             ConstructorToClient::Refuse(refusal) => check_text(&refusal.reason),
             _ => {}
@@ -168,7 +169,13 @@ impl Processes {
         let ShaderToClient::TileDone(done) = message else {
             return;
         };
-        let (tile, count) = (Tile { origin: UVec2::ZERO, size: TILE }, TILE.element_product());
+        let (tile, count) = (
+            Tile {
+                origin: UVec2::ZERO,
+                size: TILE,
+            },
+            TILE.element_product(),
+        );
         for format in [PixelFormat::F16, PixelFormat::F32] {
             for compression in [Compression::None, Compression::Lz4] {
                 let packed = PackedPixels::new(&done.pixels, count as usize, format, compression);
@@ -198,9 +205,10 @@ impl Processes {
     }
 
     fn begin(&self, begin: &BeginFrame) {
-        let (Ok(camera), Ok(settings)) =
-            (convert::camera(&begin.camera), convert::frame_settings(begin))
-        else {
+        let (Ok(camera), Ok(settings)) = (
+            convert::camera(&begin.camera),
+            convert::frame_settings(begin),
+        ) else {
             return;
         };
         // More is allowed, and takes its time.

@@ -35,8 +35,9 @@ impl Way {
         Self::ConstructorToObserver,
     ];
 
-    /// Reads what comes this way, and does with it what the process at its end does.
-    pub(super) fn read(self, to: &mut Processes, bytes: &[u8]) {
+    /// Reads what comes this way, and does with it what the process at its end does. Says
+    /// whether there was a whole message.
+    pub(super) fn read(self, to: &mut Processes, bytes: &[u8]) -> bool {
         match self {
             Self::Opening => read(bytes, |message| to.opening(message)),
             Self::ConstructorToShader => read(bytes, |message| to.shader(message)),

@@ -30,8 +30,8 @@ pub fn mutated(form: Form, seeds: &[Vec<u8>], dice: &mut Dice) -> Vec<u8> {
                 input = files.joined();
             }
         }
+        input.truncate(LONGEST);
     }
-    input.truncate(LONGEST);
     input
 }
 

@@ -33,6 +33,9 @@ const NUMBERS: [&str; 24] = [
 /// What opens something: many of them are deep nesting.
 const OPENERS: [&str; 6] = ["[", "{", "\"", "(", "[[", "{\"a\":"];
 
+/// Most bytes that repetition adds.
+const MOST_REPEATED: usize = 32 * 1024;
+
 /// Spoils text in one way. `other` is something to take pieces from.
 pub(super) fn spoil(text: &mut Vec<u8>, other: &[u8], dice: &mut Dice) {
     match dice.below(10) {
@@ -124,7 +127,9 @@ fn repeat_lines(text: &mut Vec<u8>, times: usize, dice: &mut Dice) {
     for _ in 0..dice.below(8) {
         end = line_end(text, end);
     }
-    let block = text[first.start..end].repeat(times);
+    // What is binary has long lines.
+    let block = &text[first.start..end.min(first.start + MOST_REPEATED)];
+    let block = block.repeat(times.min(MOST_REPEATED / block.len()));
     let at = if dice.one_in(2) {
         end
     } else {

@@ -11,7 +11,7 @@ use lie_scene::{Scene, Summary, load};
 pub(crate) use files::Files;
 pub(crate) use seeds::of_every_kind;
 
-use crate::{Form, Memory, Target};
+use crate::{Form, Memory, Run, Target};
 
 /// Files of a few KiB; a picture in them may say that it is large, see `load::picture`.
 const MEMORY: Memory = Memory {
@@ -47,31 +47,37 @@ pub(crate) const TOML: Target = Target {
 };
 
 /// Files are written to a folder and read from there, as users' are.
-fn open(main: &'static str) -> Box<dyn FnMut(&[u8])> {
+fn open(main: &'static str) -> Run {
     let folder = tempfile::tempdir().unwrap();
     Box::new(move |bytes| {
         let files = Files::split(bytes);
         for (name, content) in &files.0 {
             fs::write(folder.path().join(name), content).unwrap();
         }
-        check(&folder.path().join(main));
+        let is_taken = check(&folder.path().join(main));
         for (name, _) in &files.0 {
             // The same name twice is one file.
             let _ = fs::remove_file(folder.path().join(name));
         }
+        is_taken
     })
 }
 
-fn check(path: &std::path::Path) {
+fn check(path: &std::path::Path) -> bool {
     match load(path) {
         Ok(loaded) => {
             assert_eq!(loaded.scene.validate(), Ok(()));
             let _ = Summary::new(&loaded.scene).to_string();
             travels(&loaded.scene);
+            true
         }
         Err(error) => {
-            let (message, name) = (error.to_string(), path.file_name().unwrap());
-            assert!(message.contains(&*name.to_string_lossy()), "{message}");
+            // Of the file itself or of one that it names.
+            let (message, folder) = (error.to_string(), path.parent().unwrap());
+            let folder = folder.to_string_lossy();
+            assert!(message.contains(&*folder), "{message}");
+            assert!(message.len() < 4096, "fit to be shown: {}", message.len());
+            false
         }
     }
 }

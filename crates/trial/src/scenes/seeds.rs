@@ -114,7 +114,11 @@ mod tests {
                 let loaded = load(&folder.path().join(main)).unwrap();
                 assert!(!loaded.scene.geometry.is_empty());
                 let is_lack = |warning: &String| warning.starts_with("there is no light");
-            let warnings: Vec<_> = loaded.warnings.into_iter().filter(|w| !is_lack(w)).collect();
+                let warnings: Vec<_> = loaded
+                    .warnings
+                    .into_iter()
+                    .filter(|w| !is_lack(w))
+                    .collect();
                 assert!(warnings.is_empty(), "{main} {number}: {warnings:?}");
             }
         }

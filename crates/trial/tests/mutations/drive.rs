@@ -50,7 +50,9 @@ pub(crate) struct Failure {
 pub(crate) struct Report {
     target: &'static str,
     seed: u64,
-    cases: u64,
+    pub(crate) cases: u64,
+    /// Those in which something was taken for good.
+    pub(crate) taken: u64,
     took: Duration,
     /// Memory that a case took at most, and its number.
     most: (usize, u64),
@@ -72,13 +74,16 @@ pub(crate) fn drive(target: &Target, course: &Course) -> Report {
     let seeds = (target.seeds)();
     let mut run = (target.open)();
     // Whatever is set up at its first use belongs to no case.
-    seeds.iter().for_each(|seed| run(seed));
+    for (number, seed) in seeds.iter().enumerate() {
+        assert!(run(seed), "seed {number} of {} is not good", target.name);
+    }
     let watch = Watch::start(target.name, course.seed);
     let (started, mut told) = (Instant::now(), Instant::now());
     let mut report = Report {
         target: target.name,
         seed: course.seed,
         cases: 0,
+        taken: 0,
         took: Duration::ZERO,
         most: (0, 0),
         longest: (Duration::ZERO, 0),
@@ -98,10 +103,13 @@ pub(crate) fn drive(target: &Target, course: &Course) -> Report {
         let limit = target.memory.of(input.len());
         let what = match outcome {
             Err(panic) => Some(format!("panics: {}", message(&*panic))),
-            Ok(()) if most > limit => {
-                Some(format!("takes {most} bytes of memory, its limit is {limit}"))
+            Ok(_) if most > limit => Some(format!(
+                "takes {most} bytes of memory, its limit is {limit}"
+            )),
+            Ok(is_taken) => {
+                report.taken += u64::from(is_taken);
+                None
             }
-            Ok(()) => None,
         };
         if let Some(what) = what {
             let file = kept(target, course.seed, case, &input);
@@ -138,12 +146,12 @@ fn kept(target: &Target, seed: u64, case: u64, input: &[u8]) -> PathBuf {
 
 impl fmt::Display for Report {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (seed, cases, took) = (self.seed, self.cases, self.took);
+        let (seed, cases, taken, took) = (self.seed, self.cases, self.taken, self.took);
         let (most, greediest) = self.most;
         let (longest, slowest) = self.longest;
         write!(
             formatter,
-            "{}: {cases} cases of seed {seed} in {took:.1?}; at most {:.2} MiB (case {greediest}) \
+            "{}: {cases} cases of seed {seed}, {taken} of them taken, in {took:.1?}; at most {:.2} MiB (case {greediest}) \
              and {longest:.1?} (case {slowest}); {} failures",
             self.target,
             most as f64 / f64::from(1 << 20),

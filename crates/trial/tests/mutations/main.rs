@@ -34,6 +34,13 @@ fn survive(name: &str, count: u64) {
     let report = drive(&target(name), &course);
     println!("{report}");
     assert!(report.failures.is_empty(), "{:#?}", report.failures);
+    // Mutations that all are refused at once would show nothing, nor would those that do no harm.
+    let hundredth = report.cases / 100;
+    let (taken, refused) = (report.taken, report.cases - report.taken);
+    assert!(
+        taken >= hundredth && refused >= hundredth,
+        "{taken} of {count} are taken"
+    );
 }
 
 #[test]
@@ -104,15 +111,21 @@ fn what_is_planted_is_found() {
         form: Form::Bytes,
     };
     let course = Course::new(1, 2000);
-    let harmless = planted(|| Box::new(|bytes| assert!(bytes.len() < usize::MAX)));
+    let harmless = planted(|| Box::new(|bytes| bytes.len() > 30));
     assert_eq!(drive(&harmless, &course).failures, []);
-    let panics = planted(|| Box::new(|bytes| assert!(bytes.first() != Some(&0xff), "planted")));
+    let panics = planted(|| {
+        Box::new(|bytes| {
+            assert!(bytes.first() != Some(&0xff), "planted");
+            true
+        })
+    });
     let found = drive(&panics, &course).failures;
     assert!(found[0].what.contains("planted"), "{found:?}");
     let greedy = planted(|| {
         Box::new(|bytes| {
             let is_marked = bytes.windows(2).any(|pair| pair == [0xff, 0xff]);
             drop(vec![1u8; if is_marked { 2 << 20 } else { 10 }]);
+            true
         })
     });
     let found = drive(&greedy, &course).failures;
