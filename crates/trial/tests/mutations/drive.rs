@@ -2,7 +2,7 @@ use std::{
     fmt,
     panic::{AssertUnwindSafe, catch_unwind},
     path::PathBuf,
-    sync::{Mutex, PoisonError},
+    sync::{Mutex, MutexGuard, PoisonError},
     time::{Duration, Instant},
 };
 
@@ -66,11 +66,23 @@ pub(crate) fn target(name: &str) -> Target {
     all.find(|target| target.name == name).expect("a target")
 }
 
+/// Memory is counted for the whole process: tests run one after the other.
+pub(crate) fn turn() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What is held at once while this runs, at most, beyond what was before.
+pub(crate) fn most_memory(run: impl FnOnce()) -> usize {
+    let before = MEMORY.current_usage();
+    MEMORY.reset_peak_usage();
+    run();
+    MEMORY.peak_usage().saturating_sub(before)
+}
+
 /// Runs a course, up to a few failures.
 pub(crate) fn drive(target: &Target, course: &Course) -> Report {
-    // Memory is counted for the whole process: one after the other.
-    static TURN: Mutex<()> = Mutex::new(());
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let _turn = turn();
     let seeds = (target.seeds)();
     let mut run = (target.open)();
     // Whatever is set up at its first use belongs to no case.
@@ -93,10 +105,8 @@ pub(crate) fn drive(target: &Target, course: &Course) -> Report {
         let mut dice = Dice::new(course.seed, case);
         let input = mutated(target.form, &seeds, &mut dice);
         watch.begins(case);
-        let (before, clock) = (MEMORY.current_usage(), Instant::now());
-        MEMORY.reset_peak_usage();
-        let outcome = catch_unwind(AssertUnwindSafe(|| run(&input)));
-        let most = MEMORY.peak_usage().saturating_sub(before);
+        let (clock, mut outcome) = (Instant::now(), Ok(false));
+        let most = most_memory(|| outcome = catch_unwind(AssertUnwindSafe(|| run(&input))));
         report.cases += 1;
         report.longest = report.longest.max((clock.elapsed(), case));
         report.most = report.most.max((most, case));

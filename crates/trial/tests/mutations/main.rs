@@ -8,6 +8,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 #![allow(clippy::print_stdout, reason = "figures are what these tests are for")]
 
+mod dense;
 mod drive;
 mod watch;
 
@@ -71,7 +72,7 @@ fn bundles() {
 #[test]
 fn scene_files() {
     for name in SCENE_FILES {
-        survive(name, 100);
+        survive(name, 300);
     }
 }
 
@@ -79,21 +80,27 @@ const SCENE_FILES: [&str; 3] = ["scene_obj", "scene_gltf", "scene_toml"];
 
 /// `LIE_MUTATIONS=10000000 cargo test --release -p lie-trial --test mutations -- --ignored --nocapture many_messages`
 #[test]
-#[ignore = "takes some seconds; LIE_MUTATIONS=10000000 takes most of an hour"]
+#[ignore = "takes some seconds; LIE_MUTATIONS=10000000 takes minutes"]
 fn many_messages() {
-    survive("messages", number("LIE_MUTATIONS", 100_000));
+    survive("messages", number("LIE_MUTATIONS", 200_000));
 }
 
-/// `LIE_MUTATIONS=100000 cargo test --release -p lie-trial --test mutations -- --ignored --nocapture many_files`
+/// `LIE_MUTATIONS=100000 cargo test --release -p lie-trial --test mutations -- --ignored --nocapture many_scene_files`
 #[test]
-#[ignore = "takes some seconds; LIE_MUTATIONS=100000 takes some minutes"]
-fn many_files() {
-    let count = number("LIE_MUTATIONS", 3000);
-    for name in ["scene_blob", "tree", "snapshot", "bundle"] {
-        survive(name, count);
-    }
+#[ignore = "takes some seconds; LIE_MUTATIONS=100000 takes minutes"]
+fn many_scene_files() {
+    let count = number("LIE_MUTATIONS", 6000);
     for name in SCENE_FILES {
         survive(name, count.div_ceil(3));
+    }
+}
+
+/// `LIE_MUTATIONS=100000 cargo test --release -p lie-trial --test mutations -- --ignored --nocapture many_other_files`
+#[test]
+#[ignore = "takes some seconds; LIE_MUTATIONS=100000 takes minutes"]
+fn many_other_files() {
+    for name in ["scene_blob", "tree", "snapshot", "bundle"] {
+        survive(name, number("LIE_MUTATIONS", 6000));
     }
 }
 
