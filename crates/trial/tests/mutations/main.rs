@@ -6,7 +6,11 @@
 //!     LIE_MUTATIONS_SEED=1 LIE_MUTATIONS_CASE=4711 cargo test -p lie-trial --test mutations messages
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
-#![allow(clippy::print_stdout, reason = "figures are what these tests are for")]
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "figures are what these tests are for"
+)]
 
 mod dense;
 mod drive;
