@@ -153,7 +153,7 @@ fn constructor(home: &Path, listen: &str, samples: &str) -> Process {
 
 /// What the client asks for at each view of the walk, pixels exact.
 pub(crate) fn walk(client: &Client) -> Vec<FrameRequest> {
-    let path = convert::walkthrough(&client.scene().walkthroughs[0]);
+    let path = convert::walkthrough(&client.scene().walkthroughs[0]).unwrap();
     let views = (0..VIEWS).map(|view| {
         let share = view as f64 / (VIEWS - 1) as f64;
         FrameRequest {

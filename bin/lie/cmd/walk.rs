@@ -220,7 +220,7 @@ fn path(name: Option<&str>, scene: &SceneSummary) -> anyhow::Result<Walkthrough>
         Some(name) => walks.find(|walk| walk.name.as_str() == name),
     };
     if let Some(found) = found {
-        return Ok(convert::walkthrough(found));
+        return Ok(convert::walkthrough(found)?);
     }
     if let Some(name) = name {
         let known: Vec<_> = scene

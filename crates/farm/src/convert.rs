@@ -17,6 +17,9 @@ pub enum ConvertError {
     /// Not a possible camera.
     #[error("the camera is not possible")]
     Camera,
+    /// Not a possible walkthrough.
+    #[error("the walkthrough {0}")]
+    Walkthrough(&'static str),
     /// A size, sample count or rectangle out of its limits.
     #[error("the frame's size, samples or tile are out of their limits")]
     Frame,
@@ -81,9 +84,20 @@ pub fn wire_walkthrough(walkthrough: &Walkthrough) -> WireWalkthrough {
     }
 }
 
-/// A walkthrough from the wire; not checked.
-#[must_use]
-pub fn walkthrough(walkthrough: &WireWalkthrough) -> Walkthrough {
+/// A walkthrough from a peer.
+///
+/// # Errors
+/// [`ConvertError::Walkthrough`].
+pub fn walkthrough(walkthrough: &WireWalkthrough) -> Result<Walkthrough, ConvertError> {
+    let walkthrough = unchecked_walkthrough(walkthrough);
+    match walkthrough.problem() {
+        None => Ok(walkthrough),
+        Some(problem) => Err(ConvertError::Walkthrough(problem)),
+    }
+}
+
+/// For scenes, which are validated as a whole.
+pub(crate) fn unchecked_walkthrough(walkthrough: &WireWalkthrough) -> Walkthrough {
     let keys = walkthrough.key_frames.iter();
     Walkthrough {
         name: walkthrough.name.as_str().to_owned(),
@@ -262,4 +276,42 @@ pub fn cell(cell: WireCell) -> Result<CellState, ConvertError> {
         version: cell.version,
         body,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_impossible_walkthrough_of_a_peer_is_refused_before_anybody_walks_it() {
+        let key = |time_s| WireKeyFrame {
+            time_s,
+            eye: [1.0, 2.0, 3.0],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            vertical_fov: 1.0,
+        };
+        let walk = |key_frames| {
+            walkthrough(&WireWalkthrough {
+                name: Text::new("walk"),
+                key_frames,
+            })
+        };
+        let whole = walk(vec![key(0.0), key(1.0)]).unwrap();
+        assert_eq!(whole.camera_at(0.5).eye, Vec3::new(1.0, 2.0, 3.0));
+        let narrow = WireKeyFrame {
+            vertical_fov: 0.0,
+            ..key(1.0)
+        };
+        for (keys, piece) in [
+            (vec![], "no key frames"),
+            (vec![key(1.0), key(1.0)], "do not rise"),
+            (vec![key(0.0), key(f32::NAN)], "do not rise"),
+            (vec![key(f32::NAN)], "impossible"),
+            (vec![key(0.0), key(f32::INFINITY)], "impossible"),
+            (vec![key(0.0), narrow], "impossible"),
+        ] {
+            let message = walk(keys).unwrap_err().to_string();
+            assert!(message.contains(piece), "{message}");
+        }
+    }
 }

@@ -1,6 +1,9 @@
 use std::fmt;
 
-use serde::{Deserialize, Deserializer, Serialize, de::Error};
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{Error, Visitor},
+};
 
 use crate::limit;
 
@@ -43,12 +46,25 @@ impl fmt::Display for Text {
 
 impl<'de> Deserialize<'de> for Text {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
+        deserializer.deserialize_str(TextVisitor)
+    }
+}
+
+/// Looks at the text where it is: bincode would make room for an owned one by its length alone,
+/// before it knows whether there are so many bytes.
+struct TextVisitor;
+
+impl Visitor<'_> for TextVisitor {
+    type Value = Text;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "a text of at most {} bytes", limit::TEXT)
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Text, E> {
         if text.len() > limit::TEXT || text.chars().any(char::is_control) {
-            return Err(D::Error::custom(
-                "a text is too long or has control characters",
-            ));
+            return Err(E::custom("a text is too long or has control characters"));
         }
-        Ok(Self(text))
+        Ok(Text(text.to_owned()))
     }
 }

@@ -25,18 +25,19 @@ pub struct RenderStats {
     pub trusted: u64,
 }
 
+/// Sums end at the largest number: what comes over a network may be any.
 impl AddAssign for RenderStats {
     fn add_assign(&mut self, other: Self) {
-        self.visibility_ns += other.visibility_ns;
-        self.unoccluded_ns += other.unoccluded_ns;
-        self.partial_ns += other.partial_ns;
-        self.full_ns += other.full_ns;
-        self.primary_rays += other.primary_rays;
-        self.shadow_rays += other.shadow_rays;
-        self.list_rays += other.list_rays;
-        self.occluder_tests += other.occluder_tests;
-        self.evaluations += other.evaluations;
-        self.trusted += other.trusted;
+        self.visibility_ns = self.visibility_ns.saturating_add(other.visibility_ns);
+        self.unoccluded_ns = self.unoccluded_ns.saturating_add(other.unoccluded_ns);
+        self.partial_ns = self.partial_ns.saturating_add(other.partial_ns);
+        self.full_ns = self.full_ns.saturating_add(other.full_ns);
+        self.primary_rays = self.primary_rays.saturating_add(other.primary_rays);
+        self.shadow_rays = self.shadow_rays.saturating_add(other.shadow_rays);
+        self.list_rays = self.list_rays.saturating_add(other.list_rays);
+        self.occluder_tests = self.occluder_tests.saturating_add(other.occluder_tests);
+        self.evaluations = self.evaluations.saturating_add(other.evaluations);
+        self.trusted = self.trusted.saturating_add(other.trusted);
     }
 }
 
@@ -50,5 +51,22 @@ impl RenderStats {
         } else {
             self.trusted as f64 / self.evaluations as f64
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_of_what_a_peer_claims_end_at_the_largest_number() {
+        let claimed = RenderStats {
+            visibility_ns: u64::MAX - 1,
+            trusted: 2,
+            ..RenderStats::default()
+        };
+        let mut sum = claimed;
+        sum += claimed;
+        assert_eq!((sum.visibility_ns, sum.trusted), (u64::MAX, 4));
     }
 }

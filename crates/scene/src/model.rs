@@ -150,20 +150,8 @@ impl Scene {
         }
         for walk in &self.walkthroughs {
             let what = || format!("walkthrough '{}'", walk.name);
-            check(!walk.key_frames.is_empty(), what, "has no key frames")?;
-            let rising = walk
-                .key_frames
-                .windows(2)
-                .all(|pair| pair[0].time_s < pair[1].time_s);
-            check(rising, what, "has key frames whose times do not rise")?;
-            let possible = walk.key_frames.iter().all(|key| {
-                key.time_s.is_finite()
-                    && key.eye.is_finite()
-                    && key.orientation.is_normalized()
-                    && key.vertical_fov > 0.0
-                    && key.vertical_fov < std::f32::consts::PI
-            });
-            check(possible, what, "has an impossible key frame")?;
+            let problem = walk.problem();
+            check(problem.is_none(), what, problem.unwrap_or_default())?;
         }
         self.settings.validate()
     }

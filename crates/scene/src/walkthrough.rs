@@ -42,6 +42,28 @@ impl KeyFrame {
 }
 
 impl Walkthrough {
+    /// What is wrong with it, if anything; [`Self::camera_at`] is for one with which nothing is.
+    #[must_use]
+    pub fn problem(&self) -> Option<&'static str> {
+        let keys = &self.key_frames;
+        let is_possible = |key: &KeyFrame| {
+            key.time_s.is_finite()
+                && key.eye.is_finite()
+                && key.orientation.is_normalized()
+                && key.vertical_fov > 0.0
+                && key.vertical_fov < std::f32::consts::PI
+        };
+        if keys.is_empty() {
+            Some("has no key frames")
+        } else if !keys.windows(2).all(|pair| pair[0].time_s < pair[1].time_s) {
+            Some("has key frames whose times do not rise")
+        } else if !keys.iter().all(is_possible) {
+            Some("has an impossible key frame")
+        } else {
+            None
+        }
+    }
+
     /// Seconds from the first key frame to the last.
     #[must_use]
     pub fn duration_s(&self) -> f32 {

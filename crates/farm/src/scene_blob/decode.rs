@@ -77,7 +77,7 @@ fn assemble(description: Description, arrays: &mut Arrays<'_>) -> Result<Scene, 
         walkthroughs: description
             .walkthroughs
             .iter()
-            .map(convert::walkthrough)
+            .map(convert::unchecked_walkthrough)
             .collect(),
         background: Background {
             radiance: Vec3::from(description.background),

@@ -1,6 +1,6 @@
 //! Everything of a scene but its long arrays. Colours, places and directions as `[f32; 3]`.
 
-use lie_protocol::{WireCamera, WireRenderSettings, WireWalkthrough};
+use lie_protocol::{WireCamera, WireRenderSettings, WireWalkthrough, codec};
 use serde::{Deserialize, Serialize};
 
 /// Most memory that a description may claim when it is read, in bytes.
@@ -8,6 +8,7 @@ pub(super) const CLAIM: usize = 1 << 30;
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct Description {
+    #[serde(deserialize_with = "codec::text")]
     pub(super) name: String,
     pub(super) vertices: u64,
     pub(super) triangles: u64,
@@ -23,6 +24,7 @@ pub(super) struct Description {
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct Part {
+    #[serde(deserialize_with = "codec::text")]
     pub(super) name: String,
     pub(super) start: u32,
     pub(super) end: u32,
@@ -31,6 +33,7 @@ pub(super) struct Part {
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct MaterialDescription {
+    #[serde(deserialize_with = "codec::text")]
     pub(super) name: String,
     pub(super) base_color: [f32; 3],
     pub(super) base_color_texture: Option<TextureUse>,
@@ -60,6 +63,7 @@ pub(super) struct TextureDescription {
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct LightDescription {
+    #[serde(deserialize_with = "codec::text")]
     pub(super) name: String,
     pub(super) kind: KindDescription,
 }

@@ -28,7 +28,8 @@ pub(super) fn decode(bytes: &[u8], fit: &TreeFit) -> Result<LieTree, TreeError> 
         bytes,
         fit,
         max_depth: tree.settings.max_depth,
-        last_version: tree.version + 1,
+        // What has changed since the last commit is of the version that the next one begins.
+        last_version: tree.version + u64::from(!changed.is_empty()),
     };
     let root = nodes.node(0, &[])?;
     if !nodes.bytes.0.is_empty() {

@@ -228,3 +228,22 @@ fn cells_that_wait_for_a_commit_are_kept() {
     let mut copy = LieTree::from_bytes(&tree.to_bytes(), &FIT).unwrap();
     assert_eq!(copy.commit(), tree.commit());
 }
+
+/// A shader would take a cell of a version that is not there yet for newer than its next change.
+#[test]
+fn no_cell_is_of_a_version_that_nothing_has_begun() {
+    let mut tree = tree();
+    let point = Vec3::splat(0.9);
+    let region = Region::new(Aabb::around([point]), vec![(0, Proof::Hidden)]);
+    tree.settle(tree.key_at(point), region);
+    // Begun and not committed.
+    assert!(!tree.changed.is_empty());
+    assert_eq!(tree.lie_at(point).version, tree.version() + 1);
+    assert_eq!(LieTree::from_bytes(&tree.to_bytes(), &FIT).unwrap(), tree);
+    tree.changed.clear();
+    let refused = LieTree::from_bytes(&tree.to_bytes(), &FIT).unwrap_err();
+    assert_eq!(
+        refused,
+        TreeError::Malformed("a cell is of a later version")
+    );
+}
