@@ -7,6 +7,7 @@ mod growth;
 mod output;
 mod peers;
 mod report;
+mod scale;
 mod subject;
 mod threads;
 
@@ -26,6 +27,7 @@ use self::{
     output::{Output, progress_bar, teller},
     peers::Peers,
     report::Report,
+    scale::Scale,
     subject::Subject,
     threads::Threads,
 };
@@ -47,6 +49,7 @@ pub(crate) enum BenchCommand {
     Peers(Peers),
     Growth(Growth),
     Farm(Farm),
+    Scale(Scale),
 }
 
 /// The paper's Table 1: time, speed-up and error of a frame, by each integrator.
@@ -140,6 +143,7 @@ pub(crate) fn execute(command: &BenchCommand) -> anyhow::Result<()> {
         BenchCommand::Peers(arguments) => arguments.execute(),
         BenchCommand::Growth(arguments) => arguments.execute(),
         BenchCommand::Farm(arguments) => arguments.execute(),
+        BenchCommand::Scale(arguments) => arguments.execute(),
     }
 }
 

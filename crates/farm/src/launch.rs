@@ -103,6 +103,7 @@ struct Children {
     grace: Duration,
     stop: CancellationToken,
     watches: JoinSet<()>,
+    ids: Vec<u32>,
     /// How many have come so far and not ended by themselves.
     living: watch::Sender<usize>,
 }
@@ -132,6 +133,18 @@ impl Farm {
     #[must_use]
     pub fn address(&self) -> &str {
         &self.address
+    }
+
+    /// The process of the constructor, if it was started here.
+    #[must_use]
+    pub fn constructor_ids(&self) -> &[u32] {
+        &self.constructor.ids
+    }
+
+    /// The shaders' processes, those that have ended among them.
+    #[must_use]
+    pub fn shader_ids(&self) -> &[u32] {
+        &self.shaders.ids
     }
 
     /// How many shaders have not ended, and when that changes.
@@ -171,6 +184,7 @@ impl Children {
             grace,
             stop: CancellationToken::new(),
             watches: JoinSet::new(),
+            ids: vec![],
             living: watch::Sender::default(),
         }
     }
@@ -198,6 +212,7 @@ impl Children {
             let (who, log) = (who.to_owned(), config.log.clone());
             tokio::spawn(pass_on(who, BufReader::new(stderr).lines(), log));
         }
+        self.ids.extend(child.id());
         let said = first_line(child.stdout.take()).await;
         let Some(line) = said else {
             let status = child.wait().await;

@@ -101,6 +101,7 @@ impl Farm {
                 },
             }),
             lies: None,
+            takes_replays: false,
         };
         let prepared = Prepared::new(stage.world().scene().clone(), &config)?;
         bar.finish_and_clear();

@@ -6,7 +6,7 @@ use lie_bench::{
     builds::{self, BuildRow},
     converge::{self, ConvergeConfig, ConvergeRow, ConvergeSummary},
     figure4::{self, CostRow},
-    growth, table1, table2,
+    growth, scale, table1, table2,
 };
 
 use super::{
@@ -142,6 +142,11 @@ impl Report {
             gallery(&results.pictures),
         ];
         // Growth is measured by a command of its own, and takes far longer.
-        output::rewrite_report(&self.out, "Results", sections, &[growth::HEADING])
+        output::rewrite_report(
+            &self.out,
+            "Results",
+            sections,
+            &[growth::HEADING, scale::HEADING],
+        )
     }
 }

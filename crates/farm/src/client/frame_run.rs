@@ -6,19 +6,27 @@ use std::{
 };
 
 use lie_protocol::{CancelBefore, ClientToShader, TileDone, TileRequest, limit};
-use lie_render::{Film, RenderStats, Tile, tiles};
+use lie_render::{Film, RenderStats, Tile};
 use tokio::{sync::mpsc, time::sleep_until};
 
 use super::{
     ClientConfig, ClientError, Frame, FrameRequest, FrameStats, ShaderShare,
+    cut::{self, Costs},
     hub::{Event, Hub, Link},
     standing::Standings,
 };
 use crate::{
     pixels::PackedPixels,
-    scheduler::{Completion, Scheduler, ShaderId, centre_out},
+    scheduler::{Completion, Scheduler, ShaderId},
 };
 use company::{LOOK_ROUND, REMINDER};
+
+/// What one frame leaves for the next.
+#[derive(Default)]
+pub(super) struct Memory {
+    standings: Standings,
+    costs: Costs,
+}
 
 /// One frame in work.
 pub(super) struct FrameRun<'a> {
@@ -29,7 +37,7 @@ pub(super) struct FrameRun<'a> {
     tiles: Vec<Tile>,
     scheduler: Scheduler,
     links: BTreeMap<ShaderId, (Link, u64)>,
-    standings: &'a mut Standings,
+    memory: &'a mut Memory,
     stats: FrameStats,
     started: Instant,
     /// Since when there has been no shader.
@@ -38,26 +46,24 @@ pub(super) struct FrameRun<'a> {
 }
 
 impl<'a> FrameRun<'a> {
+    /// A frame that so many threads are there for.
+    ///
     /// # Errors
     /// [`ClientError::Request`].
     pub(super) fn new(
         number: u64,
         request: &'a FrameRequest,
         config: &'a ClientConfig,
-        standings: &'a mut Standings,
+        memory: &'a mut Memory,
+        threads: u32,
     ) -> Result<Self, ClientError> {
         let started = Instant::now();
         let sides = 1..=limit::FRAME_SIDE;
         if !(sides.contains(&request.size.x) && sides.contains(&request.size.y)) {
             return Err(ClientError::Request);
         }
-        let tiles = tiles(request.size);
-        let centre = |tile: &Tile| {
-            let centre = tile.origin + tile.size / 2;
-            (centre.x, centre.y)
-        };
-        let centres: Vec<_> = tiles.iter().map(centre).collect();
-        let order = centre_out(&centres, request.size.into());
+        let tiles = cut::cut(request.size, threads as usize);
+        let order = memory.costs.order(request.size, &tiles);
         Ok(Self {
             number,
             view: 0,
@@ -66,9 +72,10 @@ impl<'a> FrameRun<'a> {
             scheduler: Scheduler::new(order, config.late),
             tiles,
             links: BTreeMap::new(),
-            standings,
+            memory,
             stats: FrameStats {
                 lie_version: u64::MAX,
+
                 ..FrameStats::default()
             },
             started,
@@ -135,8 +142,8 @@ impl<'a> FrameRun<'a> {
             link.cut.cancel();
             return;
         }
-        if self.standings.may_work(id, Instant::now()) {
-            let credits = self.standings.credits(id, 2 * link.threads as usize);
+        if self.memory.standings.may_work(id, Instant::now()) {
+            let credits = self.memory.standings.credits(id, 2 * link.threads as usize);
             self.scheduler.joined(id, credits);
         } else {
             self.scheduler.joined_in_reserve(id);
@@ -189,7 +196,7 @@ impl<'a> FrameRun<'a> {
             return self.expel(id, &problem);
         }
         let completion = self.scheduler.completed(number, id, Instant::now());
-        if self.standings.proved(id)
+        if self.memory.standings.proved(id)
             && let Some((link, _)) = self.links.get(&id)
         {
             tracing::info!("shader {} works again", link.address);
@@ -201,6 +208,8 @@ impl<'a> FrameRun<'a> {
             *tiles += 1;
         }
         self.stats.unpack_ms += milliseconds(clock.elapsed());
+        let render_ns = done.report.cost.render_ns;
+        self.memory.costs.note(self.request.size, tile, render_ns);
         self.count(done);
     }
 
@@ -259,6 +268,7 @@ impl<'a> FrameRun<'a> {
             film,
             stats: FrameStats {
                 frame_ms: milliseconds(self.started.elapsed()),
+                tiles: self.tiles.len() as u64,
                 trusted_fraction: self.stats.render.trusted_fraction(),
                 lost_tiles: self.scheduler.lost_tiles(),
                 reissued_tiles: self.scheduler.reissued_tiles(),

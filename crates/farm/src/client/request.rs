@@ -48,6 +48,8 @@ pub struct FrameStats {
     pub lie_version_max: u64,
     /// Share of light evaluations that the LIEs answered, in `[0, 1]`.
     pub trusted_fraction: f64,
+    /// Tiles that it was cut into.
+    pub tiles: u64,
     /// Tiles that were in flight at shaders that went away.
     pub lost_tiles: u64,
     /// How often a tile was given to another shader as well because it was late.

@@ -49,7 +49,8 @@ pub(super) async fn keep_all(
     loop {
         let ready: Places = {
             let roster = roster.borrow_and_update();
-            let ready = roster.iter().filter(|entry| entry.ready);
+            let is_ours = |entry: &&RosterEntry| entry.ready && entry.replays == hub.replays;
+            let ready = roster.iter().filter(is_ours);
             // Sorted by number: of one address the newest counts.
             ready
                 .map(|entry| (entry.address.as_str().to_owned(), entry.id))
@@ -135,6 +136,17 @@ async fn session(hub: &Hub, address: &str, stream: Stream) -> (LinkError, bool) 
     let (mut receiver, mut sender) = connection::split(stream);
     let hello = handshake::hello(Role::Client, 0, 0);
     let answer = match handshake::greet(&mut receiver, &mut sender, hello).await {
+        // Whatever the roster says: the picture must be one.
+        Ok(In::Welcome(welcome)) if welcome.replays != hub.replays => {
+            let kind = if welcome.replays {
+                "replays costs"
+            } else {
+                "renders"
+            };
+            Err(LinkError::Rules(format!(
+                "it {kind}, which is not asked for"
+            )))
+        }
         Ok(In::Welcome(welcome)) if welcome.scene == hub.scene => Ok(welcome),
         Ok(In::Welcome(_)) => Err(LinkError::Rules("it renders another scene".to_owned())),
         Ok(In::Refuse(refusal)) => Err(handshake::refused(&receiver, refusal)),

@@ -65,6 +65,8 @@ pub struct ConstructorConfig {
     pub freeze: Option<Freeze>,
     /// Where LIEs are kept over restarts.
     pub lies: Option<SnapshotFile>,
+    /// Whether it takes shaders that replay recorded costs: for simulations, and nothing else.
+    pub takes_replays: bool,
 }
 
 /// Learning that ends before the first connection: the same LIEs at every start.
@@ -146,6 +148,7 @@ struct Shared {
     blob: SceneBlob,
     summary: SceneSummary,
     settings: WireLieSettings,
+    takes_replays: bool,
     feed: LieFeed,
     views: Views,
     registry: Registry,
@@ -176,6 +179,7 @@ pub async fn run(
             split_threshold: lie.split_threshold,
             trust: lie.trust,
         },
+        takes_replays: config.takes_replays,
         feed: LieFeed::new(prepared.builder.tree().clone()),
         views: Views::default(),
         registry: Registry::default(),
@@ -235,7 +239,12 @@ async fn session(
         mut sender,
     } = caller;
     match hello.role {
-        Role::Shader => {
+        Role::Replay if !shared.takes_replays => {
+            let refusal =
+                Refuse::new("this constructor takes no replays: it is not of a simulation");
+            Err(handshake::refuse(&mut sender, refusal).await)
+        }
+        Role::Shader | Role::Replay => {
             let Some(member) = shared.registry.join_shader(peer.ip(), &hello) else {
                 return Err(full(&mut sender, "shaders").await);
             };

@@ -51,6 +51,7 @@ pub(super) async fn run(shared: &Shared, caller: Caller) -> Result<(), LinkError
     let welcome = TileWelcome {
         scene: stage.scene,
         threads: shared.threads,
+        replays: false,
     };
     receiver.count_into(&shared.meter.from_clients);
     sender.count_into(&shared.meter.to_clients);
