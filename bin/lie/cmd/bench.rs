@@ -4,6 +4,7 @@ mod course;
 mod farm;
 mod figure4;
 mod growth;
+mod latency;
 mod output;
 mod peers;
 mod report;
@@ -24,6 +25,7 @@ use self::{
     farm::Farm,
     figure4::Figure4,
     growth::Growth,
+    latency::Latency,
     output::{Output, progress_bar, teller},
     peers::Peers,
     report::Report,
@@ -50,6 +52,7 @@ pub(crate) enum BenchCommand {
     Growth(Growth),
     Farm(Farm),
     Scale(Scale),
+    Latency(Latency),
 }
 
 /// The paper's Table 1: time, speed-up and error of a frame, by each integrator.
@@ -144,6 +147,7 @@ pub(crate) fn execute(command: &BenchCommand) -> anyhow::Result<()> {
         BenchCommand::Growth(arguments) => arguments.execute(),
         BenchCommand::Farm(arguments) => arguments.execute(),
         BenchCommand::Scale(arguments) => arguments.execute(),
+        BenchCommand::Latency(arguments) => arguments.execute(),
     }
 }
 

@@ -104,6 +104,7 @@ struct Children {
     stop: CancellationToken,
     watches: JoinSet<()>,
     ids: Vec<u32>,
+    addresses: Vec<String>,
     /// How many have come so far and not ended by themselves.
     living: watch::Sender<usize>,
 }
@@ -147,6 +148,12 @@ impl Farm {
         &self.shaders.ids
     }
 
+    /// Where the shaders listen, in the order of their start.
+    #[must_use]
+    pub fn shader_addresses(&self) -> &[String] {
+        &self.shaders.addresses
+    }
+
     /// How many shaders have not ended, and when that changes.
     #[must_use]
     pub fn living_shaders(&self) -> watch::Receiver<usize> {
@@ -185,6 +192,7 @@ impl Children {
             stop: CancellationToken::new(),
             watches: JoinSet::new(),
             ids: vec![],
+            addresses: vec![],
             living: watch::Sender::default(),
         }
     }
@@ -234,6 +242,7 @@ impl Children {
             see_to_its_end(who_is_it, child, stop, grace).await;
             living.send_modify(|living| *living -= 1);
         });
+        self.addresses.extend(address.clone());
         address.ok_or_else(|| LaunchError::Announcement {
             who: who.to_owned(),
         })

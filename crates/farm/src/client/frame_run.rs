@@ -85,8 +85,9 @@ impl<'a> FrameRun<'a> {
     }
 
     /// Says whose frame it is, by the client's number at the constructor.
-    pub(super) fn of_view(self, view: u32) -> Self {
-        Self { view, ..self }
+    pub(super) fn of_view(mut self, view: u32) -> Self {
+        self.view = view;
+        self
     }
 
     /// Hands out tiles and takes them in until the film is full.
@@ -94,6 +95,7 @@ impl<'a> FrameRun<'a> {
         let (links, mut events) = hub.attach(self.number);
         self.gather(links);
         self.assign();
+        self.stats.asked_ms = milliseconds(self.started.elapsed());
         // Made while the first tiles are rendered.
         let mut film = Film::new(self.request.size);
         while !self.scheduler.is_done() {
@@ -185,6 +187,7 @@ impl<'a> FrameRun<'a> {
 
     fn take(&mut self, id: ShaderId, done: &TileDone, film: &mut Film) {
         let clock = Instant::now();
+        self.stats.last_tile_ms = milliseconds(clock - self.started);
         let number = done.report.tile;
         let Some(&tile) = self.tiles.get(number as usize) else {
             return self.expel(id, "there is no such tile");
@@ -250,7 +253,7 @@ impl<'a> FrameRun<'a> {
         };
     }
 
-    /// Tiles that two shaders had are still in work at the slower one.
+    /// Tiles that are still in work are not wanted: two shaders had them, or the frame was given up.
     fn call_off_the_rest(&self) {
         for (&id, (link, _)) in &self.links {
             if self.scheduler.in_flight(id) > 0 {
@@ -262,8 +265,8 @@ impl<'a> FrameRun<'a> {
         }
     }
 
-    fn into_frame(self, film: Film) -> Frame {
-        let shares = self.links.into_values();
+    fn into_frame(mut self, film: Film) -> Frame {
+        let shares = std::mem::take(&mut self.links).into_values();
         Frame {
             film,
             stats: FrameStats {
@@ -278,8 +281,17 @@ impl<'a> FrameRun<'a> {
                         tiles,
                     })
                     .collect(),
-                ..self.stats
+                ..std::mem::take(&mut self.stats)
             },
+        }
+    }
+}
+
+/// A frame that nobody waits for any more is not rendered any more.
+impl Drop for FrameRun<'_> {
+    fn drop(&mut self) {
+        if !self.scheduler.is_done() {
+            self.call_off_the_rest();
         }
     }
 }

@@ -210,7 +210,8 @@ impl Client {
     }
 
     /// Renders a frame with all shaders there are, and with those that come meanwhile. A
-    /// shader that is lost is replaced by the others.
+    /// shader that is lost is replaced by the others. If this is dropped while it waits, the
+    /// shaders are told to stop.
     ///
     /// # Errors
     /// [`ClientError::NoShaders`] if there is none for too long, and at once

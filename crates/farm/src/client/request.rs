@@ -40,6 +40,11 @@ pub struct Frame {
 pub struct FrameStats {
     /// From the call of [`super::Client::render_frame`] until the last tile is in the film.
     pub frame_ms: f64,
+    /// From the call until the frame and its first tiles were handed to the connections with
+    /// shaders.
+    pub asked_ms: f64,
+    /// From the call until the last tile has come.
+    pub last_tile_ms: f64,
     /// From the call until the first tile is in the film.
     pub latency_ms: f64,
     /// Oldest LIEs that a tile was shaded with.

@@ -59,7 +59,7 @@ pub enum ReplayError {
     /// The constructor's address can never be dialled.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// The constructor refuses replays, or is gone: a simulation does not outlive it.
+    /// The constructor refuses replays, or cannot be talked to.
     #[error("the constructor at {address}: {cause}")]
     Constructor {
         /// Its address.
@@ -96,7 +96,7 @@ struct Replay {
     shutdown: CancellationToken,
 }
 
-/// Replays, one behind each listener, until `shutdown` or until one of them has no constructor.
+/// Replays, one behind each listener, until `shutdown`; the constructor may come late, go and come back.
 ///
 /// # Errors
 /// [`ReplayError`].
@@ -132,8 +132,8 @@ pub async fn run(
         // One after the other: a constructor has few places for those that it does not know yet.
         match upstream::open(&config, &replay, port).await {
             Ok(Some(link)) => {
-                let address = config.constructor.clone();
-                sessions.spawn(async move { link.follow(&replay, address).await });
+                let config = config.clone();
+                sessions.spawn(async move { upstream::keep(&config, &replay, port, link).await });
             }
             Ok(None) => break,
             Err(error) => {

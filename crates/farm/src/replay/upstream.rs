@@ -71,24 +71,42 @@ pub(super) async fn open(
     Err(ReplayError::Constructor { address, cause })
 }
 
+/// Takes what the constructor sends, and connects anew when it is lost, until the end.
+pub(super) async fn keep(
+    config: &ReplayConfig,
+    replay: &Replay,
+    port: u16,
+    mut link: Link,
+) -> Result<(), ReplayError> {
+    loop {
+        let ended = link.follow(replay).await;
+        if replay.shutdown.is_cancelled() {
+            return Ok(());
+        }
+        if let Err(error) = ended {
+            tracing::warn!("the constructor is gone: {error}; dialling again");
+        }
+        sleep(PAUSE).await;
+        link = match open(config, replay, port).await? {
+            Some(link) => link,
+            None => return Ok(()),
+        };
+    }
+}
+
 impl Link {
-    /// Takes what the constructor sends, until the end.
-    pub(super) async fn follow(self, replay: &Replay, address: String) -> Result<(), ReplayError> {
+    /// Takes what the constructor sends, until the connection ends.
+    async fn follow(self, replay: &Replay) -> Result<(), LinkError> {
         let Self {
             mut receiver,
             mut sender,
         } = self;
         let (outbox, messages) = mpsc::channel(OUTBOX);
-        let ended = tokio::select! {
+        replay.lie_version.store(0, Ordering::Relaxed);
+        tokio::select! {
             ended = listen(replay, &mut receiver, &outbox) => ended,
             ended = drain(&mut sender, messages, &replay.shutdown, |_| true) => ended,
             () = report(replay, &outbox) => Ok(()),
-        };
-        match ended {
-            Err(cause) if !replay.shutdown.is_cancelled() => {
-                Err(ReplayError::Constructor { address, cause })
-            }
-            _ => Ok(()),
         }
     }
 }
