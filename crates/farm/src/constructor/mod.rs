@@ -16,6 +16,7 @@ mod rate;
 mod registry;
 mod saver;
 mod shader_session;
+mod shared_parts;
 mod status;
 mod views;
 
@@ -43,6 +44,7 @@ use construction::{Construction, Progress};
 use lie_feed::LieFeed;
 use registry::Registry;
 use saver::Saver;
+use shared_parts::SharedParts;
 use views::Views;
 
 /// Most shaders at once.
@@ -150,6 +152,7 @@ struct Shared {
     settings: WireLieSettings,
     takes_replays: bool,
     feed: LieFeed,
+    parts: SharedParts,
     views: Views,
     registry: Registry,
     census: Census,
@@ -181,6 +184,7 @@ pub async fn run(
         },
         takes_replays: config.takes_replays,
         feed: LieFeed::new(prepared.builder.tree().clone()),
+        parts: SharedParts::default(),
         views: Views::default(),
         registry: Registry::default(),
         census: Census::new(),

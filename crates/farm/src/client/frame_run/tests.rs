@@ -112,6 +112,7 @@ fn who_lets_a_frame_wait_is_not_asked_in_the_next_unless_there_is_nobody_else() 
         }
     }
     run.set_aside_the_silent();
+    drop(run);
 
     while asked.try_recv().is_ok() {}
     let mut run = FrameRun::new(2, &request, &config, &mut memory, 0).unwrap();
@@ -129,6 +130,7 @@ fn who_lets_a_frame_wait_is_not_asked_in_the_next_unless_there_is_nobody_else() 
     let tile = (0..3).find(|&tile| run.scheduler.wants(tile, 1)).unwrap();
     let size = run.tiles[tile as usize].size;
     run.take(1, &done(tile, &vec![Vec3::ONE; size.x as usize]), &mut film);
+    drop(run);
     assert_eq!(memory.standings.credits(1, 2), 2);
 
     let mut run = FrameRun::new(3, &request, &config, &mut memory, 0).unwrap();
