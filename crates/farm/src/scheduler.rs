@@ -38,7 +38,7 @@ pub enum Completion {
 /// The tiles of one frame on their way.
 ///
 /// Invariants: a tile is either waiting, in flight at one shader or more, or done, and is
-/// done exactly once; a shader never has more tiles in flight than its credits.
+/// done exactly once; a shader that has as many in flight as its credits is given none.
 ///
 /// ```
 /// use lie_farm::scheduler::{Completion, LatePolicy, Scheduler};
@@ -122,6 +122,22 @@ impl Scheduler {
         if let Some(shader) = self.shaders.get_mut(&shader) {
             shader.is_reserve = true;
         }
+    }
+
+    /// A shader that is there and relied on may have so many tiles in flight from now on, at least
+    /// one; what it has, it keeps.
+    pub fn has_credits(&mut self, shader: ShaderId, credits: usize) {
+        let shader = self.shaders.get_mut(&shader);
+        if let Some(shader) = shader.filter(|shader| !shader.is_reserve) {
+            shader.credits = credits.max(1);
+        }
+    }
+
+    /// How long a shader has had a tile that it has not answered.
+    #[must_use]
+    pub fn held(&self, tile: u32, shader: ShaderId, now: Instant) -> Option<Duration> {
+        let since = self.shaders.get(&shader)?.tiles.get(&tile)?;
+        Some(now.saturating_duration_since(*since))
     }
 
     /// Whether a shader in reserve has nothing to do; when it is needed is for
@@ -310,7 +326,7 @@ impl Scheduler {
     }
 
     fn freest(&self, in_need: bool) -> Option<ShaderId> {
-        let free = |shader: &Shader| shader.credits - shader.tiles.len();
+        let free = |shader: &Shader| shader.credits.saturating_sub(shader.tiles.len());
         let ids = self.shaders.iter().filter(|(_, s)| free(s) > 0);
         let ids = ids.filter(|(_, s)| in_need || !s.is_reserve);
         // Of equals the first, so that the order does not depend on the map.

@@ -14,6 +14,7 @@ use super::{
     cut::{self, Costs},
     hub::{Event, Hub, Link},
     standing::Standings,
+    transit::Transits,
 };
 use crate::{
     pixels::PackedPixels,
@@ -26,6 +27,7 @@ use company::{LOOK_ROUND, REMINDER};
 pub(super) struct Memory {
     standings: Standings,
     costs: Costs,
+    transits: Transits,
 }
 
 /// One frame in work.
@@ -35,6 +37,8 @@ pub(super) struct FrameRun<'a> {
     request: &'a FrameRequest,
     config: &'a ClientConfig,
     tiles: Vec<Tile>,
+    /// Threads that there were for it when it was cut.
+    threads: u32,
     scheduler: Scheduler,
     links: BTreeMap<ShaderId, (Link, u64)>,
     memory: &'a mut Memory,
@@ -71,6 +75,7 @@ impl<'a> FrameRun<'a> {
             config,
             scheduler: Scheduler::new(order, config.late),
             tiles,
+            threads,
             links: BTreeMap::new(),
             memory,
             stats: FrameStats {
@@ -145,12 +150,18 @@ impl<'a> FrameRun<'a> {
             return;
         }
         if self.memory.standings.may_work(id, Instant::now()) {
-            let credits = self.memory.standings.credits(id, 2 * link.threads as usize);
+            let credits = self.credits(id, link.threads);
             self.scheduler.joined(id, credits);
         } else {
             self.scheduler.joined_in_reserve(id);
         }
         self.links.insert(id, (link, 0));
+    }
+
+    fn credits(&self, id: ShaderId, threads: u32) -> usize {
+        let share = self.tiles.len() / self.threads.max(1) as usize;
+        let credits = self.memory.transits.credits(id, threads, share);
+        self.memory.standings.credits(id, credits)
     }
 
     fn lose(&mut self, id: ShaderId) {
@@ -198,11 +209,19 @@ impl<'a> FrameRun<'a> {
         {
             return self.expel(id, &problem);
         }
+        if let Some(held) = self.scheduler.held(number, id, clock) {
+            let cost = &done.report.cost;
+            self.memory.transits.note(id, held, cost);
+        }
         let completion = self.scheduler.completed(number, id, Instant::now());
         if self.memory.standings.proved(id)
             && let Some((link, _)) = self.links.get(&id)
         {
             tracing::info!("shader {} works again", link.address);
+        }
+        if let Some((link, _)) = self.links.get(&id) {
+            let credits = self.credits(id, link.threads);
+            self.scheduler.has_credits(id, credits);
         }
         if completion == Completion::Duplicate {
             return;

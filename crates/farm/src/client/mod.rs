@@ -9,6 +9,7 @@ mod request;
 mod shader_link;
 mod standing;
 mod tally;
+mod transit;
 
 use std::{sync::Arc, time::Duration};
 

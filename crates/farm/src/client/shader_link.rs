@@ -29,6 +29,8 @@ const FIRST_PAUSE: Duration = Duration::from_millis(50);
 const LAST_PAUSE: Duration = Duration::from_secs(2);
 /// A session that lasted for so long was a good one: after it the shader is dialled soon.
 const STEADY: Duration = Duration::from_secs(5);
+/// Tiles that a shader may be asked for at once, for each of its threads.
+const MOST_CREDITS: usize = 8;
 /// A shader that claims more threads gets no more credits.
 const MAX_THREADS: u32 = 4096;
 
@@ -159,7 +161,7 @@ async fn session(hub: &Hub, address: &str, stream: Stream) -> (LinkError, bool) 
     };
     let threads = welcome.threads.clamp(1, MAX_THREADS);
     // Two frames' requests and what else there is to say.
-    let (outbox, messages) = mpsc::channel(4 * threads as usize + 16);
+    let (outbox, messages) = mpsc::channel(2 * MOST_CREDITS * threads as usize + 16);
     let cut = CancellationToken::new();
     let link = Link {
         address: address.to_owned(),

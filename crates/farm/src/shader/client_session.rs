@@ -28,9 +28,9 @@ use crate::{
     serve::Caller,
 };
 
-/// Tiles that a client may have outstanding, for each render thread; twice is what an
-/// honest one asks for.
-const OUTSTANDING_PER_THREAD: u32 = 8;
+/// Tiles that a client may have outstanding, for each render thread: twice as many as an honest
+/// one that is far away asks for.
+const OUTSTANDING_PER_THREAD: u32 = 16;
 
 /// Serves a client until it leaves or the scene changes.
 pub(super) async fn run(shared: &Shared, caller: Caller) -> Result<(), LinkError> {

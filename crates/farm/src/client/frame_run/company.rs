@@ -18,6 +18,7 @@ impl FrameRun<'_> {
         self.memory
             .standings
             .keep_only(|id| links.contains_key(&id));
+        self.memory.transits.keep_only(|id| links.contains_key(&id));
         let now = Instant::now();
         for (id, link) in links {
             self.stats.set_aside += u64::from(!self.memory.standings.may_work(id, now));
