@@ -8,6 +8,9 @@ use lie_farm::{
     shader::{self, ShaderConfig, ShaderError},
 };
 
+use tokio::runtime::Runtime;
+use tokio_util::sync::CancellationToken;
+
 use crate::{
     args::{Accel, Audit},
     failure::OrUsage,
@@ -86,36 +89,23 @@ pub(crate) fn execute(arguments: &Shader) -> anyhow::Result<()> {
     let exposure = arguments.network.exposure()?;
     let runtime = process::runtime()?;
     let shutdown = process::shutdown(&runtime, Some(arguments.supervision), || process::PATIENCE);
-    let any = match exposure {
-        Exposure::Loopback => "127.0.0.1:0",
-        Exposure::Insecure | Exposure::Cluster(_) => "0.0.0.0:0",
+    let ended = match recording {
+        Some(recording) => replay(arguments, recording, exposure, &runtime, shutdown),
+        None => render(arguments, exposure, &runtime, shutdown),
     };
-    let address = arguments.listen.as_deref().unwrap_or(any);
-    let farm = process::listen(&runtime, address, &exposure)?;
-    if let Some(recording) = recording {
-        let mut listeners = vec![farm];
-        let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
-        for _ in 1..arguments.replay.count {
-            let listener = process::listen(&runtime, &format!("{host}:0"), &exposure)?;
-            listeners.push(listener);
-        }
-        process::announce(&listeners[0])?;
-        let config = ReplayConfig {
-            constructor: arguments.constructor.clone(),
-            exposure,
-            recording: Arc::new(recording),
-            slow_down: arguments.replay.slow_down,
-        };
-        let ended = runtime.block_on(replay::run(config, listeners, shutdown));
-        runtime.shutdown_background();
-        return ended.map_err(|error| match error {
-            ReplayError::Network(error) => process::network_failure(error),
-            other => other.into(),
-        });
-    }
+    runtime.shutdown_background();
+    ended
+}
+
+fn render(
+    arguments: &Shader,
+    exposure: Exposure,
+    runtime: &Runtime,
+    shutdown: CancellationToken,
+) -> anyhow::Result<()> {
     let ports = Ports {
-        farm,
-        metrics: arguments.monitoring.listen(&runtime)?,
+        farm: process::listen(runtime, arguments.address(&exposure), &exposure)?,
+        metrics: arguments.monitoring.listen(runtime)?,
     };
     let config = ShaderConfig {
         constructor: arguments.constructor.clone(),
@@ -127,11 +117,49 @@ pub(crate) fn execute(arguments: &Shader) -> anyhow::Result<()> {
     };
     process::announce(&ports.farm)?;
     let ended = runtime.block_on(shader::run(config, ports, shutdown));
-    runtime.shutdown_background();
     ended.map_err(|error| match error {
         ShaderError::Constructor(error) => process::network_failure(error),
         other => other.into(),
     })
+}
+
+fn replay(
+    arguments: &Shader,
+    recording: Recording,
+    exposure: Exposure,
+    runtime: &Runtime,
+    shutdown: CancellationToken,
+) -> anyhow::Result<()> {
+    let address = arguments.address(&exposure);
+    let mut listeners = vec![process::listen(runtime, address, &exposure)?];
+    let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
+    for _ in 1..arguments.replay.count {
+        let any = format!("{host}:0");
+        listeners.push(process::listen(runtime, &any, &exposure)?);
+    }
+    process::announce(&listeners[0])?;
+    let config = ReplayConfig {
+        constructor: arguments.constructor.clone(),
+        exposure,
+        recording: Arc::new(recording),
+        slow_down: arguments.replay.slow_down,
+    };
+    let ended = runtime.block_on(replay::run(config, listeners, shutdown));
+    ended.map_err(|error| match error {
+        ReplayError::Network(error) => process::network_failure(error),
+        other => other.into(),
+    })
+}
+
+impl Shader {
+    /// Where it listens, as was said or as is usual.
+    fn address(&self, exposure: &Exposure) -> &str {
+        let any = match exposure {
+            Exposure::Loopback => "127.0.0.1:0",
+            Exposure::Insecure | Exposure::Cluster(_) => "0.0.0.0:0",
+        };
+        self.listen.as_deref().unwrap_or(any)
+    }
 }
 
 /// The cache, or a warning: a shader works without.
