@@ -121,7 +121,7 @@ mod tests {
         let all: std::collections::BTreeSet<_> = order.iter().collect();
         assert_eq!(all.len(), small.len());
         let first = small[order[0] as usize];
-        assert_eq!(first.origin, UVec2::new(128, 0));
+        assert_eq!(first.origin, UVec2::new(128, 64));
         // A frame of another size is another picture.
         let other = UVec2::new(131, 70);
         let tiles = tiles_of(other, 64);

@@ -35,6 +35,10 @@ impl Transits {
     pub(super) fn note(&mut self, shader: ShaderId, held: Duration, cost: &WireCost) {
         let seconds = |nanoseconds: u64| 1.0e-9 * nanoseconds as f64;
         let work = seconds(cost.render_ns) + seconds(cost.pack_ns);
+        if work == 0.0 {
+            // Nothing was said of its cost, and nothing follows.
+            return;
+        }
         let way = (held.as_secs_f64() - work - seconds(cost.queued_ns)).max(0.0);
         let now = Transit { way, work };
         let mean = self.0.entry(shader).or_insert(now);
