@@ -8,6 +8,7 @@ use std::{
 };
 
 use glam::UVec2;
+use lie_bench::proxy::{Proxy, Weather};
 use lie_farm::{
     client::{Client, ClientConfig, FrameRequest},
     convert,
@@ -15,10 +16,7 @@ use lie_farm::{
 };
 use lie_protocol::{Compression, PixelFormat, WireIntegrator};
 
-use crate::support::{
-    self, Process,
-    proxy::{Proxy, Weather},
-};
+use crate::support::{self, Process};
 
 /// Views of the walk.
 pub(crate) const VIEWS: usize = 6;
@@ -40,7 +38,7 @@ pub(crate) struct Node {
 impl Node {
     pub(crate) fn start(number: usize, constructor: SocketAddr, cache: &Path) -> Self {
         let ip = IpAddr::from([127, 0, 1, number as u8 + 1]);
-        let up = Proxy::start(([127, 0, 0, 1], 0).into(), ip, constructor);
+        let up = Proxy::start(([127, 0, 0, 1], 0).into(), ip, constructor).unwrap();
         let cache = cache.to_str().unwrap().to_owned();
         let (shader, down) = start_shader(ip, &up, &cache);
         Self {
@@ -54,7 +52,7 @@ impl Node {
 
     /// Where clients find it.
     pub(crate) fn address(&self) -> String {
-        self.down.address.to_string()
+        self.down.address().to_string()
     }
 
     pub(crate) fn set(&self, weather: Weather) {
@@ -69,7 +67,7 @@ impl Node {
 }
 
 fn start_shader(ip: IpAddr, up: &Proxy, cache: &str) -> (Process, Proxy) {
-    let up = up.address.to_string();
+    let up = up.address().to_string();
     let arguments = [
         "shader",
         "--constructor",
@@ -81,7 +79,7 @@ fn start_shader(ip: IpAddr, up: &Proxy, cache: &str) -> (Process, Proxy) {
     ];
     let shader = Process::start(&arguments);
     let at: SocketAddr = shader.address.parse().unwrap();
-    let down = Proxy::start((ip, at.port()).into(), [127, 0, 0, 1].into(), at);
+    let down = Proxy::start((ip, at.port()).into(), [127, 0, 0, 1].into(), at).unwrap();
     (shader, down)
 }
 

@@ -12,10 +12,10 @@ use crate::{
         Process,
         patience::patiently,
         proc::{self, mib},
-        proxy::Weather,
     },
 };
 use glam::UVec2;
+use lie_bench::proxy::Weather;
 use lie_farm::{
     client::{Client, ClientConfig, FrameRequest},
     network::Exposure,

@@ -19,9 +19,9 @@ use crate::{
         LONG,
         patience::{patiently, stood_still},
         proc,
-        proxy::Weather,
     },
 };
+use lie_bench::proxy::Weather;
 use lie_render::Film;
 
 /// One megabit in a second.

@@ -6,7 +6,6 @@ pub(crate) mod bench;
 pub(crate) mod bundles;
 pub(crate) mod patience;
 pub(crate) mod proc;
-pub(crate) mod proxy;
 pub(crate) mod secured;
 
 use std::{

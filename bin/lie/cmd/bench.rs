@@ -4,9 +4,11 @@ mod course;
 mod farm;
 mod figure4;
 mod growth;
+mod latency;
 mod output;
 mod peers;
 mod report;
+mod scale;
 mod subject;
 mod threads;
 
@@ -23,9 +25,11 @@ use self::{
     farm::Farm,
     figure4::Figure4,
     growth::Growth,
+    latency::Latency,
     output::{Output, progress_bar, teller},
     peers::Peers,
     report::Report,
+    scale::Scale,
     subject::Subject,
     threads::Threads,
 };
@@ -47,6 +51,8 @@ pub(crate) enum BenchCommand {
     Peers(Peers),
     Growth(Growth),
     Farm(Farm),
+    Scale(Scale),
+    Latency(Latency),
 }
 
 /// The paper's Table 1: time, speed-up and error of a frame, by each integrator.
@@ -140,6 +146,8 @@ pub(crate) fn execute(command: &BenchCommand) -> anyhow::Result<()> {
         BenchCommand::Peers(arguments) => arguments.execute(),
         BenchCommand::Growth(arguments) => arguments.execute(),
         BenchCommand::Farm(arguments) => arguments.execute(),
+        BenchCommand::Scale(arguments) => arguments.execute(),
+        BenchCommand::Latency(arguments) => arguments.execute(),
     }
 }
 

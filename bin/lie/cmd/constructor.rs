@@ -41,6 +41,10 @@ pub(crate) struct Constructor {
     /// Seed of the construction samples.
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
+    /// Take shaders that replay recorded costs (`lie shader --replay`) as well: for simulations.
+    /// Without this they are refused.
+    #[arg(long)]
+    replays: bool,
     #[command(flatten)]
     frozen: Frozen,
     #[command(flatten)]
@@ -121,6 +125,7 @@ pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
         },
         freeze: freeze.transpose()?,
         lies,
+        takes_replays: arguments.replays,
     };
     let prepared = Prepared::new(scene, &config)?;
     has_to_save.store(config.lies.is_some(), Ordering::Relaxed);

@@ -64,6 +64,14 @@ impl Lineup {
             .map(|(contender, lies)| (*contender, lies.as_ref()))
     }
 
+    /// The LIEs of a contender, if it is there and asks any.
+    #[must_use]
+    pub fn lies(&self, contender: Contender) -> Option<&PublishedLies> {
+        let mut all = self.iter();
+        let (_, lies) = all.find(|&(other, _)| other == contender)?;
+        lies.map(|lies| &lies.lies)
+    }
+
     /// Whether the view converged for each of them.
     #[must_use]
     pub fn has_converged(&self) -> bool {

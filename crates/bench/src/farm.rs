@@ -1,5 +1,6 @@
 //! What a farm costs: its frames in turn with those of this process, on as many threads.
 
+mod several;
 mod show;
 
 use lie_farm::{
@@ -8,7 +9,10 @@ use lie_farm::{
 };
 use lie_render::{AccelKind, Precision, compare};
 
-pub use self::show::{json, section, table};
+pub use self::{
+    several::{SeveralRow, measure_several, several_json, several_table},
+    show::{json, section, table},
+};
 use crate::{
     BenchError, Contender, Progress, Spread, Stage,
     race::{Render, pool, timed},

@@ -10,6 +10,8 @@
 //! * [`converge`] follows error and frame time while LIEs are constructed.
 //! * [`growth`] measures frames over the number of lights and of triangles.
 //! * [`farm`] renders on a farm in turn with this process.
+//! * [`latency`] measures the way from input to picture.
+//! * [`scale`] sees how a farm grows, with shaders that are simulated.
 //! * [`peers`] lets another program render the same scene in turn with ours.
 //! * [`Table`], [`plot`], [`Report`] and [`Machine`] are what comes out: text, Markdown, SVG.
 //!
@@ -52,9 +54,12 @@ pub mod converge;
 pub mod farm;
 pub mod figure4;
 pub mod growth;
+pub mod latency;
 pub mod paper;
 pub mod peers;
 pub mod plot;
+pub mod proxy;
+pub mod scale;
 pub mod table1;
 pub mod table2;
 

@@ -33,9 +33,33 @@ impl Spread {
     }
 }
 
+/// The smallest of some values that this share of them does not exceed, by nearest rank; `None`
+/// of none.
+pub(crate) fn percentile(values: &[f64], share: f64) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted
+        .get(rank.saturating_sub(1).min(sorted.len().saturating_sub(1)))
+        .copied()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn percentiles_are_values_that_there_are() {
+        let values: Vec<f64> = (1..=100).rev().map(f64::from).collect();
+        let of = |share| percentile(&values, share);
+        assert_eq!(
+            (of(0.5), of(0.95), of(0.99)),
+            (Some(50.0), Some(95.0), Some(99.0))
+        );
+        assert_eq!((of(0.0), of(1.0)), (Some(1.0), Some(100.0)));
+        assert_eq!(percentile(&[3.0], 0.5), Some(3.0));
+        assert_eq!(percentile(&[], 0.5), None);
+    }
 
     #[test]
     fn medians_do_not_depend_on_order() {

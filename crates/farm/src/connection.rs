@@ -240,9 +240,20 @@ impl<W: AsyncWrite + Unpin> Sender<W> {
     /// [`LinkError`]; [`LinkError::Stuck`] if the peer does not take a single byte for
     /// [`DEAD_AFTER`].
     pub async fn send<M: Message>(&mut self, message: &M) -> Result<(), LinkError> {
-        self.bytes.clear();
-        encode(message, &mut self.bytes)?;
-        let mut rest = &self.bytes[..];
+        let mut bytes = std::mem::take(&mut self.bytes);
+        bytes.clear();
+        encode(message, &mut bytes)?;
+        let sent = self.send_encoded(&bytes).await;
+        self.bytes = bytes;
+        sent
+    }
+
+    /// Sends a message, or several, that were encoded before; see [`Self::send`].
+    ///
+    /// # Errors
+    /// [`LinkError`], as [`Self::send`].
+    pub async fn send_encoded(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        let mut rest = bytes;
         while !rest.is_empty() {
             let piece = &rest[..rest.len().min(PIECE)];
             let taken = timeout(DEAD_AFTER, self.stream.write(piece))
@@ -257,7 +268,7 @@ impl<W: AsyncWrite + Unpin> Sender<W> {
         timeout(DEAD_AFTER, self.stream.flush())
             .await
             .map_err(|_| LinkError::Stuck(DEAD_AFTER))??;
-        self.count.add(self.bytes.len());
+        self.count.add(bytes.len());
         Ok(())
     }
 }

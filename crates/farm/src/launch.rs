@@ -103,6 +103,8 @@ struct Children {
     grace: Duration,
     stop: CancellationToken,
     watches: JoinSet<()>,
+    ids: Vec<u32>,
+    addresses: Vec<String>,
     /// How many have come so far and not ended by themselves.
     living: watch::Sender<usize>,
 }
@@ -132,6 +134,24 @@ impl Farm {
     #[must_use]
     pub fn address(&self) -> &str {
         &self.address
+    }
+
+    /// The process of the constructor, if it was started here.
+    #[must_use]
+    pub fn constructor_ids(&self) -> &[u32] {
+        &self.constructor.ids
+    }
+
+    /// The shaders' processes, those that have ended among them.
+    #[must_use]
+    pub fn shader_ids(&self) -> &[u32] {
+        &self.shaders.ids
+    }
+
+    /// Where the shaders listen, in the order of their start.
+    #[must_use]
+    pub fn shader_addresses(&self) -> &[String] {
+        &self.shaders.addresses
     }
 
     /// How many shaders have not ended, and when that changes.
@@ -171,6 +191,8 @@ impl Children {
             grace,
             stop: CancellationToken::new(),
             watches: JoinSet::new(),
+            ids: vec![],
+            addresses: vec![],
             living: watch::Sender::default(),
         }
     }
@@ -198,6 +220,7 @@ impl Children {
             let (who, log) = (who.to_owned(), config.log.clone());
             tokio::spawn(pass_on(who, BufReader::new(stderr).lines(), log));
         }
+        self.ids.extend(child.id());
         let said = first_line(child.stdout.take()).await;
         let Some(line) = said else {
             let status = child.wait().await;
@@ -219,6 +242,7 @@ impl Children {
             see_to_its_end(who_is_it, child, stop, grace).await;
             living.send_modify(|living| *living -= 1);
         });
+        self.addresses.extend(address.clone());
         address.ok_or_else(|| LaunchError::Announcement {
             who: who.to_owned(),
         })

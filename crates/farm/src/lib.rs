@@ -2,7 +2,9 @@
 //!
 //! * [`constructor::run`] holds the scene and learns the LIEs; [`shader::run`] renders
 //!   tiles; [`client::Client`] puts frames together; [`launch::Farm`] starts them all on
-//!   this machine, and [`walk::walk`] takes a walk through a scene.
+//!   this machine, [`walk::walk`] takes a walk through a scene, and [`steer::steer`]
+//!   follows whoever moves the camera.
+//! * [`replay::run`] stands in for many shaders, to see how a farm of them would go.
 //! * [`scheduler::Scheduler`] decides who renders which tile, and [`scene_blob`] and
 //!   [`cache`] bring the scene to the shaders; [`snapshot`] keeps LIEs over restarts.
 //! * [`connection`], [`handshake`], [`network`] and [`outbox`] are what every connection
@@ -40,6 +42,7 @@ pub mod network;
 mod once;
 pub mod outbox;
 pub mod pixels;
+pub mod replay;
 mod replica;
 pub mod scene_blob;
 pub mod scheduler;
@@ -48,6 +51,7 @@ mod serve;
 pub mod shader;
 pub mod snapshot;
 pub mod status;
+pub mod steer;
 pub mod walk;
 
 pub use construct::{BatchReport, Builder, ConstructSettings, Order, PastView, Snapshot, View};

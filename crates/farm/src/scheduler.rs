@@ -38,7 +38,7 @@ pub enum Completion {
 /// The tiles of one frame on their way.
 ///
 /// Invariants: a tile is either waiting, in flight at one shader or more, or done, and is
-/// done exactly once; a shader never has more tiles in flight than its credits.
+/// done exactly once; a shader that has as many in flight as its credits is given none.
 ///
 /// ```
 /// use lie_farm::scheduler::{Completion, LatePolicy, Scheduler};
@@ -78,6 +78,13 @@ struct Shader {
     has_finished: bool,
 }
 
+impl Shader {
+    /// Whether it has little to do, and may be asked.
+    fn is_idle(&self, in_need: bool) -> bool {
+        self.tiles.len() < self.credits.div_ceil(2) && (in_need || !self.is_reserve)
+    }
+}
+
 impl Scheduler {
     /// A frame whose tiles are handed out in this order.
     #[must_use]
@@ -115,6 +122,22 @@ impl Scheduler {
         if let Some(shader) = self.shaders.get_mut(&shader) {
             shader.is_reserve = true;
         }
+    }
+
+    /// A shader that is there and relied on may have so many tiles in flight from now on, at least
+    /// one; what it has, it keeps.
+    pub fn has_credits(&mut self, shader: ShaderId, credits: usize) {
+        let shader = self.shaders.get_mut(&shader);
+        if let Some(shader) = shader.filter(|shader| !shader.is_reserve) {
+            shader.credits = credits.max(1);
+        }
+    }
+
+    /// How long a shader has had a tile that it has not answered.
+    #[must_use]
+    pub fn held(&self, tile: u32, shader: ShaderId, now: Instant) -> Option<Duration> {
+        let since = self.shaders.get(&shader)?.tiles.get(&tile)?;
+        Some(now.saturating_duration_since(*since))
     }
 
     /// Whether a shader in reserve has nothing to do; when it is needed is for
@@ -207,8 +230,7 @@ impl Scheduler {
     fn idle_beside(&self, holders: &[(ShaderId, Instant)], in_need: bool) -> Option<ShaderId> {
         let idle = self.shaders.iter().filter(|&(&id, shader)| {
             let has_it = holders.iter().any(|&(holder, _)| holder == id);
-            let is_idle = shader.tiles.len() < shader.credits.div_ceil(2);
-            !has_it && is_idle && (in_need || !shader.is_reserve)
+            !has_it && shader.is_idle(in_need)
         });
         idle.min_by_key(|&(&id, shader)| (shader.is_reserve, id))
             .map(|(&id, _)| id)
@@ -229,9 +251,19 @@ impl Scheduler {
         if !self.waiting.is_empty() || self.shaders.len() < 2 {
             return None;
         }
+        // Every event of a frame's end asks this, of hundreds of tiles and shaders.
+        let idle = self.shaders.values().filter(|shader| shader.is_idle(false));
+        let idle = idle.count();
         let since = self.in_flight.values().filter_map(|holders| {
-            self.idle_beside(holders, false)?;
-            holders.last().map(|&(_, since)| since)
+            let can_be_taken = match idle {
+                0 => false,
+                _ if idle > holders.len() => true,
+                _ => self.idle_beside(holders, false).is_some(),
+            };
+            holders
+                .last()
+                .filter(|_| can_be_taken)
+                .map(|&(_, since)| since)
         });
         Some(since.min()? + self.late_after())
     }
@@ -294,7 +326,7 @@ impl Scheduler {
     }
 
     fn freest(&self, in_need: bool) -> Option<ShaderId> {
-        let free = |shader: &Shader| shader.credits - shader.tiles.len();
+        let free = |shader: &Shader| shader.credits.saturating_sub(shader.tiles.len());
         let ids = self.shaders.iter().filter(|(_, s)| free(s) > 0);
         let ids = ids.filter(|(_, s)| in_need || !s.is_reserve);
         // Of equals the first, so that the order does not depend on the map.
@@ -315,21 +347,6 @@ impl Scheduler {
 fn age(holders: &[(ShaderId, Instant)], now: Instant) -> Option<Duration> {
     let &(_, since) = holders.last()?;
     Some(now.saturating_duration_since(since))
-}
-
-/// The tiles of a `columns × rows` grid from the centre outwards, by row-major number.
-#[must_use]
-pub fn centre_out(centres: &[(u32, u32)], size: (u32, u32)) -> Vec<u32> {
-    let distance = |&(x, y): &(u32, u32)| {
-        let (dx, dy) = (
-            2 * i64::from(x) - i64::from(size.0),
-            2 * i64::from(y) - i64::from(size.1),
-        );
-        dx * dx + dy * dy
-    };
-    let mut order: Vec<u32> = (0..centres.len() as u32).collect();
-    order.sort_by_key(|&tile| (distance(&centres[tile as usize]), tile));
-    order
 }
 
 #[cfg(test)]

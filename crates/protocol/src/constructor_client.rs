@@ -33,6 +33,8 @@ pub struct RosterEntry {
     pub threads: u32,
     /// Whether it has the scene and its first LIEs, and takes clients.
     pub ready: bool,
+    /// Whether it replays recorded costs: it has no pictures to give.
+    pub replays: bool,
 }
 
 /// Where a client looks now: what the constructor is to learn.

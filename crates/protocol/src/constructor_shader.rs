@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    AuditReport, Goodbye, LieDelta, Ping, Pong, Refuse, ResyncRequest, SceneHash, ShaderReport,
-    WireLieSettings,
+    AuditReport, Goodbye, LieDelta, LieDeltaHead, Ping, Pong, Refuse, ResyncRequest, SceneHash,
+    ShaderReport, WireLieSettings,
     body::{Body, Control},
     codec, limit,
 };
@@ -78,6 +78,26 @@ messages! {
         SceneReady(SceneReady) = 18, at most limit::CONTROL;
         /// See [`LieDelta`].
         LieDelta(LieDelta) = 19, at most limit::LIE_DELTA;
+    }
+}
+
+messages! {
+    /// What a replay hears of what a constructor tells shaders: it has the scene's hash from its
+    /// recording, and has no use for cells, whose decoding would be the cost of N shaders on one
+    /// machine.
+    ConstructorToReplay {
+        /// See [`Refuse`].
+        Refuse(Refuse) = 2, at most limit::OPENING;
+        /// See [`Ping`].
+        Ping(Ping) = 3, at most limit::CONTROL;
+        /// See [`Pong`].
+        Pong(Pong) = 4, at most limit::CONTROL;
+        /// See [`Goodbye`].
+        Goodbye(Goodbye) = 5, at most limit::CONTROL;
+        /// See [`ShaderWelcome`].
+        Welcome(ShaderWelcome) = 16, at most limit::CONTROL;
+        /// See [`LieDelta`].
+        LieDelta(LieDeltaHead) = 19, at most limit::LIE_DELTA;
     }
 }
 

@@ -14,11 +14,13 @@ pub enum Role {
     Client,
     /// Wants to know how the farm is, once.
     Observer,
+    /// Is taken for a shader, and answers with costs that were recorded, not with pictures.
+    Replay,
 }
 
 /// The first message on a connection, from the side that dialled.
 ///
-/// Body: version (u16), role (u8: 0 to 3 as in [`Role`]), threads (u32), listen port
+/// Body: version (u16), role (u8: 0 to 4 as in [`Role`]), threads (u32), listen port
 /// (u16), length of the build text (u16) and the text. More may follow in other versions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hello {
@@ -26,7 +28,7 @@ pub struct Hello {
     pub protocol_version: u16,
     /// What dialled.
     pub role: Role,
-    /// Render threads; 0 for all but shaders.
+    /// Render threads; 0 for all but shaders and replays.
     pub threads: u32,
     /// Where a shader takes clients, at the address it dials from; 0 for none.
     pub listen_port: u16,
@@ -95,6 +97,7 @@ impl Body for Hello {
             Role::Shader => 1,
             Role::Client => 2,
             Role::Observer => 3,
+            Role::Replay => 4,
         });
         out.extend_from_slice(&self.threads.to_le_bytes());
         out.extend_from_slice(&self.listen_port.to_le_bytes());
@@ -115,6 +118,7 @@ impl Body for Hello {
                 1 => Role::Shader,
                 2 => Role::Client,
                 3 => Role::Observer,
+                4 => Role::Replay,
                 // A later version may know more roles; it is refused for its version.
                 _ if protocol_version != PROTOCOL_VERSION => Role::Client,
                 other => return Err(format!("there is no role {other}")),

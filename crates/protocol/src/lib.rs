@@ -11,6 +11,7 @@
 //! |---|---|
 //! | whoever dials → whoever listens, first | [`Opening`] |
 //! | constructor ⇄ shader | [`ConstructorToShader`], [`ShaderToConstructor`] |
+//! | constructor → replay, as a shader | [`ConstructorToReplay`] |
 //! | constructor ⇄ client | [`ConstructorToClient`], [`ClientToConstructor`] |
 //! | shader ⇄ client | [`ShaderToClient`], [`ClientToShader`] |
 //! | constructor → observer | [`ConstructorToObserver`] |
@@ -51,16 +52,16 @@ pub use constructor_client::{
     RosterEntry,
 };
 pub use constructor_shader::{
-    ConstructorToShader, SceneChunk, SceneReady, SceneRequest, ShaderReady, ShaderToConstructor,
-    ShaderWelcome, Subscribe,
+    ConstructorToReplay, ConstructorToShader, SceneChunk, SceneReady, SceneRequest, ShaderReady,
+    ShaderToConstructor, ShaderWelcome, Subscribe,
 };
 pub use decoder::{Decoder, encode};
 pub use error::ProtocolError;
 pub use header::{Header, MAGIC, PROTOCOL_VERSION};
 pub use hello::{Hello, Opening, Refuse, Role};
 pub use lies::{
-    AuditReport, LieDelta, ResyncRequest, WireBody, WireCell, WireLieSettings, WireLight,
-    WireMismatch,
+    AuditReport, LieDelta, LieDeltaHead, ResyncRequest, WireBody, WireCell, WireLieSettings,
+    WireLight, WireMismatch,
 };
 pub use message::Message;
 pub use session::{Goodbye, Ping, Pong};

@@ -1,6 +1,9 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{body::Control, bounded, limit};
+use crate::{
+    body::{Body, Control},
+    bounded, codec, limit,
+};
 
 /// How the constructor's octree is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,6 +31,29 @@ pub struct LieDelta {
     /// Parents before children over all parts.
     #[serde(deserialize_with = "bounded::list::<{ limit::CELLS }, _, _>")]
     pub cells: Vec<WireCell>,
+}
+
+/// What a replay reads of a [`LieDelta`]: everything but the cells, which follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LieDeltaHead {
+    /// See [`LieDelta::from_version`].
+    pub from_version: u64,
+    /// See [`LieDelta::to_version`].
+    pub to_version: u64,
+    /// See [`LieDelta::part`].
+    pub part: u32,
+    /// See [`LieDelta::last`].
+    pub last: bool,
+}
+
+impl Body for LieDeltaHead {
+    fn write(&self, out: &mut Vec<u8>) -> Result<(), String> {
+        codec::write(self, out)
+    }
+
+    fn read(bytes: &[u8]) -> Result<Self, String> {
+        codec::read(bytes).map(|(head, _cells)| head)
+    }
 }
 
 /// An octree cell's whole state: applying it twice is the same as once.

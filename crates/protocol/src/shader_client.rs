@@ -13,6 +13,8 @@ pub struct TileWelcome {
     pub scene: SceneHash,
     /// Its render threads.
     pub threads: u32,
+    /// Whether it replays recorded costs: its pixels are no picture of anything.
+    pub replays: bool,
 }
 
 /// How visibility of lights is found.

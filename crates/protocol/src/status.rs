@@ -62,6 +62,8 @@ pub struct ShaderStatus {
     pub address: Text,
     /// Its render threads, as it says.
     pub threads: u32,
+    /// Whether it replays recorded costs instead of rendering.
+    pub replays: bool,
     /// How it is.
     pub health: ShaderHealth,
     /// Milliseconds since it joined.

@@ -169,6 +169,7 @@ fn farm(shaders: u32, clients: u32) -> ConstructorToObserver {
         id,
         address: long.clone(),
         threads: u32::MAX,
+        replays: true,
         health: ShaderHealth::Silent,
         joined_ms: u64::MAX,
         heard_ms: u64::MAX,

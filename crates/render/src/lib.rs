@@ -78,7 +78,7 @@ pub use metrics::{Comparison, compare};
 pub use occluder_lists::OccluderLists;
 pub use pixel_light::{LightShare, PixelLight};
 pub use stats::RenderStats;
-pub use tile::{RadianceTile, Tile, TileError, tiles};
+pub use tile::{RadianceTile, TILE_SIDES, Tile, TileError, tiles, tiles_of};
 pub use tile_renderer::{FrameSettings, TileResult, render_tile};
 pub use tone_map::{ToneCurve, ToneMap};
 pub use world::World;

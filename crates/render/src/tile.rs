@@ -21,18 +21,27 @@ impl Tile {
     }
 }
 
-/// Side of a tile in pixels; those at the right and lower border may be smaller.
-const SIDE: u32 = 64;
+/// Sides that tiles may have, in pixels, from the largest down: a large one has more neighbours to
+/// share its work with, and small ones are shared out more evenly.
+pub const TILE_SIDES: [u32; 3] = [64, 32, 16];
 
-/// The tiles of a frame, row by row.
+/// The tiles of a frame, row by row, as large as they may be.
 #[must_use]
 pub fn tiles(size: UVec2) -> Vec<Tile> {
-    let starts = |end: u32| (0..end).step_by(SIDE as usize);
+    tiles_of(size, TILE_SIDES[0])
+}
+
+/// The tiles of a frame, row by row, with sides of so many pixels, at least 1; those at the right
+/// and lower border may be smaller.
+#[must_use]
+pub fn tiles_of(size: UVec2, side: u32) -> Vec<Tile> {
+    let side = side.max(1);
+    let starts = |end: u32| (0..end).step_by(side as usize);
     starts(size.y)
         .flat_map(|y| starts(size.x).map(move |x| UVec2::new(x, y)))
         .map(|origin| Tile {
             origin,
-            size: (size - origin).min(UVec2::splat(SIDE)),
+            size: (size - origin).min(UVec2::splat(side)),
         })
         .collect()
 }
@@ -132,14 +141,15 @@ mod tests {
     fn tiles_cover_every_pixel_once() {
         for size in [UVec2::new(1, 1), UVec2::new(33, 64), UVec2::new(100, 7)] {
             let mut seen = vec![0; (size.x * size.y) as usize];
-            for tile in tiles(size) {
+            for tile in TILE_SIDES.into_iter().flat_map(|side| tiles_of(size, side)) {
                 for y in tile.origin.y..tile.origin.y + tile.size.y {
                     for x in tile.origin.x..tile.origin.x + tile.size.x {
                         seen[(y * size.x + x) as usize] += 1;
                     }
                 }
             }
-            assert!(seen.iter().all(|&count| count == 1), "{size}");
+            let sides = TILE_SIDES.len();
+            assert!(seen.iter().all(|&count| count == sides), "{size}");
         }
     }
 

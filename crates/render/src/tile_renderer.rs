@@ -209,6 +209,9 @@ impl TileRenderer<'_> {
         let cells = self.cells.iter();
         let cells = cells.map(|(cell, range)| (*cell, &groups.as_slice()[range.clone()]));
         for (cell, groups) in cells.clone() {
+            if self.cancelled.load(Ordering::Relaxed) {
+                return None;
+            }
             for group in groups {
                 group.unoccluded(cell, &mut work);
             }
@@ -216,6 +219,9 @@ impl TileRenderer<'_> {
         one_by_one.unoccluded(work.sums);
         let clock = lap(clock, &mut work.stats.unoccluded_ns);
         for (cell, groups) in cells.clone() {
+            if self.cancelled.load(Ordering::Relaxed) {
+                return None;
+            }
             PointGroup::partial(groups, cell, &mut work, lists);
         }
         let (rays, tests) = one_by_one.partial(&mut lists.lists, work.sums);

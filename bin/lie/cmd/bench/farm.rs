@@ -4,7 +4,7 @@ use anyhow::Context;
 use clap::Args;
 use lie_bench::{
     Stage,
-    farm::{self, FarmConfig, FarmRow},
+    farm::{self, FarmConfig, FarmRow, SeveralRow},
 };
 use lie_farm::{
     PublishedLies, View,
@@ -41,6 +41,9 @@ pub(crate) struct Farm {
     /// Frames of each, in turn; times and ratios are medians.
     #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=1000), value_name = "N")]
     repeat: u32,
+    /// Measure so many shaders in turn with one as well, each on as many threads as is said.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(2..=64), value_name = "N")]
+    shaders: Option<u8>,
     #[command(flatten)]
     threads: Threads,
     /// Bits per channel on the way.
@@ -67,13 +70,21 @@ impl Farm {
         self.output.prepare()?;
         let threads = self.threads.counts()?;
         let runtime = process::runtime()?;
-        let mut rows = vec![];
+        let (mut rows, mut several) = (vec![], vec![]);
         for scene in self.subject.load()? {
             let stage = scene.stage();
             let learnt = self.learn(&runtime, &stage)?;
             for &threads in &threads {
                 rows.push(self.measure(&runtime, &stage, &learnt, threads)?);
-                self.output.write_json(&[("rows", farm::json(&rows))])?;
+                if let Some(shaders) = self.shaders {
+                    let row = self.compare(&runtime, &stage, &learnt, (shaders.into(), threads));
+                    several.push(row?);
+                }
+                let parts = [
+                    ("rows", farm::json(&rows)),
+                    ("several", farm::several_json(&several)),
+                ];
+                self.output.write_json(&parts)?;
                 self.output
                     .write_report("farm", "Farm", || Ok(vec![farm::section(&rows)]))?;
             }
@@ -81,6 +92,9 @@ impl Farm {
         }
         runtime.shutdown_background();
         say(farm::table(&rows).text())?;
+        if !several.is_empty() {
+            say(farm::several_table(&several).text())?;
+        }
         self.output.announce("farm")
     }
 
@@ -101,6 +115,7 @@ impl Farm {
                 },
             }),
             lies: None,
+            takes_replays: false,
         };
         let prepared = Prepared::new(stage.world().scene().clone(), &config)?;
         bar.finish_and_clear();
@@ -129,7 +144,7 @@ impl Farm {
         learnt: &Learnt,
         threads: usize,
     ) -> anyhow::Result<FarmRow> {
-        let launch = launch_config(&learnt.address, stage, threads)?;
+        let launch = launch_config(&learnt.address, stage, (1, threads))?;
         let shaders = runtime.block_on(launch::Farm::start(launch))?;
         let client_config = ClientConfig::new(&learnt.address, Exposure::Loopback);
         let mut client = runtime.block_on(Client::connect(client_config))?;
@@ -148,6 +163,45 @@ impl Farm {
         Ok(row?)
     }
 
+    /// One shader, and several, each farm with a constructor of its own that has learnt the same.
+    fn compare(
+        &self,
+        runtime: &Runtime,
+        stage: &Stage,
+        learnt: &Learnt,
+        (shaders, threads): (usize, usize),
+    ) -> anyhow::Result<SeveralRow> {
+        let other = self.learn(runtime, stage)?;
+        let start = |address: &str, shaders| {
+            let launch = launch_config(address, stage, (shaders, threads))?;
+            let farm = runtime.block_on(launch::Farm::start(launch))?;
+            let config = ClientConfig::new(address, Exposure::Loopback);
+            let client = runtime.block_on(async {
+                let client = Client::connect(config).await?;
+                client.wait_for_shaders(shaders).await;
+                Ok::<_, anyhow::Error>(client)
+            })?;
+            Ok::<_, anyhow::Error>((farm, client))
+        };
+        let (one, mut of_one) = start(&learnt.address, 1)?;
+        let (several, mut of_several) = start(&other.address, shaders)?;
+        let request = self.request(stage);
+        let bar = progress_bar();
+        let row = farm::measure_several(
+            stage,
+            (shaders, threads),
+            self.repeat,
+            &mut || runtime.block_on(of_one.render_frame(&request)),
+            &mut || runtime.block_on(of_several.render_frame(&request)),
+            &teller(&bar),
+        );
+        bar.finish_and_clear();
+        drop((of_one, of_several));
+        runtime.block_on(async { tokio::join!(one.shutdown(), several.shutdown()) });
+        other.shutdown.cancel();
+        Ok(row?)
+    }
+
     fn request(&self, stage: &Stage) -> FrameRequest {
         let settings = stage.settings();
         FrameRequest {
@@ -163,8 +217,12 @@ impl Farm {
     }
 }
 
-/// One shader that does nothing but render.
-fn launch_config(constructor: &str, stage: &Stage, threads: usize) -> anyhow::Result<LaunchConfig> {
+/// Shaders that do nothing but render.
+fn launch_config(
+    constructor: &str,
+    stage: &Stage,
+    (shaders, threads): (usize, usize),
+) -> anyhow::Result<LaunchConfig> {
     let mut shader: Vec<OsString> = vec!["shader".into(), "--no-cache".into()];
     shader.extend(["--threads".into(), threads.to_string().into()]);
     shader.extend(["--accel".into(), stage.accel().name().into()]);
@@ -173,7 +231,7 @@ fn launch_config(constructor: &str, stage: &Stage, threads: usize) -> anyhow::Re
         program: std::env::current_exe().context("cannot find this program")?,
         constructor: ConstructorSource::Found(constructor.to_owned()),
         shader,
-        shaders: 1,
+        shaders,
         bundle: None,
         constructor_grace: launch::GRACE,
         log: Arc::new(|who, line| {

@@ -6,7 +6,7 @@ use lie_bench::{
     builds::{self, BuildRow},
     converge::{self, ConvergeConfig, ConvergeRow, ConvergeSummary},
     figure4::{self, CostRow},
-    growth, table1, table2,
+    growth, latency, scale, table1, table2,
 };
 
 use super::{
@@ -17,6 +17,9 @@ use crate::{
     args::{self, say},
     process,
 };
+
+/// Sections that other commands write.
+const KEPT: [&str; 3] = [growth::HEADING, scale::HEADING, latency::HEADING];
 
 /// All tables and plots in one report, as Markdown with its pictures in a folder beside it.
 #[derive(Args)]
@@ -142,6 +145,6 @@ impl Report {
             gallery(&results.pictures),
         ];
         // Growth is measured by a command of its own, and takes far longer.
-        output::rewrite_report(&self.out, "Results", sections, &[growth::HEADING])
+        output::rewrite_report(&self.out, "Results", sections, &KEPT)
     }
 }

@@ -49,6 +49,7 @@ fn of_shader(shader: &ShaderStatus, newest: u64) -> Value {
         "id": shader.id,
         "address": shader.address.as_str(),
         "threads": shader.threads,
+        "replays": shader.replays,
         "health": health(shader.health),
         "since_s": seconds(shader.joined_ms),
         "heard_s": seconds(shader.heard_ms),

@@ -2,7 +2,7 @@ use std::fmt::Write;
 
 use lie_protocol::{ClientStatus, FarmStatus, ShaderStatus};
 
-use super::words::{frame_ms, health, tile_ms};
+use super::words::{frame_ms, state, tile_ms};
 
 /// A farm for people.
 pub(super) fn of(address: &str, farm: &FarmStatus) -> String {
@@ -109,7 +109,7 @@ fn of_shader(shader: &ShaderStatus, newest: u64) -> [String; 12] {
     [
         shader.id.to_string(),
         shader.address.to_string(),
-        health(shader.health).to_owned(),
+        state(shader),
         span(shader.joined_ms),
         shader.threads.to_string(),
         known(report, |report| grouped(report.tiles)),

@@ -14,6 +14,16 @@ pub(super) fn frame_ms(client: &ClientStatus) -> Option<f64> {
     Some(report.frame_us as f64 * 1.0e-3)
 }
 
+/// What a shader is, and how it is: one that replays costs is never taken for one that renders.
+pub(super) fn state(shader: &ShaderStatus) -> String {
+    let health = health(shader.health);
+    if shader.replays {
+        format!("replays, {health}")
+    } else {
+        health.to_owned()
+    }
+}
+
 /// A shader's health as it is written.
 pub(super) fn health(health: ShaderHealth) -> &'static str {
     match health {

@@ -6,19 +6,29 @@ use std::{
 };
 
 use lie_protocol::{CancelBefore, ClientToShader, TileDone, TileRequest, limit};
-use lie_render::{Film, RenderStats, Tile, tiles};
+use lie_render::{Film, RenderStats, Tile};
 use tokio::{sync::mpsc, time::sleep_until};
 
 use super::{
     ClientConfig, ClientError, Frame, FrameRequest, FrameStats, ShaderShare,
+    cut::{self, Costs},
     hub::{Event, Hub, Link},
     standing::Standings,
+    transit::Transits,
 };
 use crate::{
     pixels::PackedPixels,
-    scheduler::{Completion, Scheduler, ShaderId, centre_out},
+    scheduler::{Completion, Scheduler, ShaderId},
 };
 use company::{LOOK_ROUND, REMINDER};
+
+/// What one frame leaves for the next.
+#[derive(Default)]
+pub(super) struct Memory {
+    standings: Standings,
+    costs: Costs,
+    transits: Transits,
+}
 
 /// One frame in work.
 pub(super) struct FrameRun<'a> {
@@ -27,9 +37,11 @@ pub(super) struct FrameRun<'a> {
     request: &'a FrameRequest,
     config: &'a ClientConfig,
     tiles: Vec<Tile>,
+    /// Threads that there were for it when it was cut.
+    threads: u32,
     scheduler: Scheduler,
     links: BTreeMap<ShaderId, (Link, u64)>,
-    standings: &'a mut Standings,
+    memory: &'a mut Memory,
     stats: FrameStats,
     started: Instant,
     /// Since when there has been no shader.
@@ -38,26 +50,24 @@ pub(super) struct FrameRun<'a> {
 }
 
 impl<'a> FrameRun<'a> {
+    /// A frame that so many threads are there for.
+    ///
     /// # Errors
     /// [`ClientError::Request`].
     pub(super) fn new(
         number: u64,
         request: &'a FrameRequest,
         config: &'a ClientConfig,
-        standings: &'a mut Standings,
+        memory: &'a mut Memory,
+        threads: u32,
     ) -> Result<Self, ClientError> {
         let started = Instant::now();
         let sides = 1..=limit::FRAME_SIDE;
         if !(sides.contains(&request.size.x) && sides.contains(&request.size.y)) {
             return Err(ClientError::Request);
         }
-        let tiles = tiles(request.size);
-        let centre = |tile: &Tile| {
-            let centre = tile.origin + tile.size / 2;
-            (centre.x, centre.y)
-        };
-        let centres: Vec<_> = tiles.iter().map(centre).collect();
-        let order = centre_out(&centres, request.size.into());
+        let tiles = cut::cut(request.size, threads as usize);
+        let order = memory.costs.order(request.size, &tiles);
         Ok(Self {
             number,
             view: 0,
@@ -65,10 +75,12 @@ impl<'a> FrameRun<'a> {
             config,
             scheduler: Scheduler::new(order, config.late),
             tiles,
+            threads,
             links: BTreeMap::new(),
-            standings,
+            memory,
             stats: FrameStats {
                 lie_version: u64::MAX,
+
                 ..FrameStats::default()
             },
             started,
@@ -78,8 +90,9 @@ impl<'a> FrameRun<'a> {
     }
 
     /// Says whose frame it is, by the client's number at the constructor.
-    pub(super) fn of_view(self, view: u32) -> Self {
-        Self { view, ..self }
+    pub(super) fn of_view(mut self, view: u32) -> Self {
+        self.view = view;
+        self
     }
 
     /// Hands out tiles and takes them in until the film is full.
@@ -87,6 +100,7 @@ impl<'a> FrameRun<'a> {
         let (links, mut events) = hub.attach(self.number);
         self.gather(links);
         self.assign();
+        self.stats.asked_ms = milliseconds(self.started.elapsed());
         // Made while the first tiles are rendered.
         let mut film = Film::new(self.request.size);
         while !self.scheduler.is_done() {
@@ -135,13 +149,19 @@ impl<'a> FrameRun<'a> {
             link.cut.cancel();
             return;
         }
-        if self.standings.may_work(id, Instant::now()) {
-            let credits = self.standings.credits(id, 2 * link.threads as usize);
+        if self.memory.standings.may_work(id, Instant::now()) {
+            let credits = self.credits(id, link.threads);
             self.scheduler.joined(id, credits);
         } else {
             self.scheduler.joined_in_reserve(id);
         }
         self.links.insert(id, (link, 0));
+    }
+
+    fn credits(&self, id: ShaderId, threads: u32) -> usize {
+        let share = self.tiles.len() / self.threads.max(1) as usize;
+        let credits = self.memory.transits.credits(id, threads, share);
+        self.memory.standings.credits(id, credits)
     }
 
     fn lose(&mut self, id: ShaderId) {
@@ -178,6 +198,7 @@ impl<'a> FrameRun<'a> {
 
     fn take(&mut self, id: ShaderId, done: &TileDone, film: &mut Film) {
         let clock = Instant::now();
+        self.stats.last_tile_ms = milliseconds(clock - self.started);
         let number = done.report.tile;
         let Some(&tile) = self.tiles.get(number as usize) else {
             return self.expel(id, "there is no such tile");
@@ -188,11 +209,19 @@ impl<'a> FrameRun<'a> {
         {
             return self.expel(id, &problem);
         }
+        if let Some(held) = self.scheduler.held(number, id, clock) {
+            let cost = &done.report.cost;
+            self.memory.transits.note(id, held, cost);
+        }
         let completion = self.scheduler.completed(number, id, Instant::now());
-        if self.standings.proved(id)
+        if self.memory.standings.proved(id)
             && let Some((link, _)) = self.links.get(&id)
         {
             tracing::info!("shader {} works again", link.address);
+        }
+        if let Some((link, _)) = self.links.get(&id) {
+            let credits = self.credits(id, link.threads);
+            self.scheduler.has_credits(id, credits);
         }
         if completion == Completion::Duplicate {
             return;
@@ -201,6 +230,8 @@ impl<'a> FrameRun<'a> {
             *tiles += 1;
         }
         self.stats.unpack_ms += milliseconds(clock.elapsed());
+        let render_ns = done.report.cost.render_ns;
+        self.memory.costs.note(self.request.size, tile, render_ns);
         self.count(done);
     }
 
@@ -241,7 +272,7 @@ impl<'a> FrameRun<'a> {
         };
     }
 
-    /// Tiles that two shaders had are still in work at the slower one.
+    /// Tiles that are still in work are not wanted: two shaders had them, or the frame was given up.
     fn call_off_the_rest(&self) {
         for (&id, (link, _)) in &self.links {
             if self.scheduler.in_flight(id) > 0 {
@@ -253,12 +284,13 @@ impl<'a> FrameRun<'a> {
         }
     }
 
-    fn into_frame(self, film: Film) -> Frame {
-        let shares = self.links.into_values();
+    fn into_frame(mut self, film: Film) -> Frame {
+        let shares = std::mem::take(&mut self.links).into_values();
         Frame {
             film,
             stats: FrameStats {
                 frame_ms: milliseconds(self.started.elapsed()),
+                tiles: self.tiles.len() as u64,
                 trusted_fraction: self.stats.render.trusted_fraction(),
                 lost_tiles: self.scheduler.lost_tiles(),
                 reissued_tiles: self.scheduler.reissued_tiles(),
@@ -268,8 +300,17 @@ impl<'a> FrameRun<'a> {
                         tiles,
                     })
                     .collect(),
-                ..self.stats
+                ..std::mem::take(&mut self.stats)
             },
+        }
+    }
+}
+
+/// A frame that nobody waits for any more is not rendered any more.
+impl Drop for FrameRun<'_> {
+    fn drop(&mut self) {
+        if !self.scheduler.is_done() {
+            self.call_off_the_rest();
         }
     }
 }

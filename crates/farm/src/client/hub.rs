@@ -16,6 +16,8 @@ const EVENTS: usize = 256;
 pub(super) struct Hub {
     /// The scene that every shader must have.
     pub(super) scene: SceneHash,
+    /// Whether its shaders replay costs instead of rendering.
+    pub(super) replays: bool,
     state: Mutex<State>,
     count: watch::Sender<usize>,
     other_scene: watch::Sender<Option<Text>>,
@@ -47,9 +49,10 @@ pub(super) enum Event {
 }
 
 impl Hub {
-    pub(super) fn new(scene: SceneHash) -> Self {
+    pub(super) fn new(scene: SceneHash, replays: bool) -> Self {
         Self {
             scene,
+            replays,
             state: Mutex::default(),
             count: watch::Sender::new(0),
             other_scene: watch::Sender::new(None),
@@ -93,6 +96,11 @@ impl Hub {
     pub(super) async fn tile(&self, id: ShaderId, done: TileDone) {
         let listener = self.lock().listener(Some(done.report.frame));
         tell(listener, Event::Tile(id, done)).await;
+    }
+
+    /// Render threads of all sessions there are.
+    pub(super) fn threads(&self) -> u32 {
+        self.lock().links.values().map(|link| link.threads).sum()
     }
 
     /// Sessions there are.

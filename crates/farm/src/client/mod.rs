@@ -2,12 +2,14 @@
 //! of the roster, and puts frames together.
 
 mod constructor_link;
+mod cut;
 mod frame_run;
 mod hub;
 mod request;
 mod shader_link;
 mod standing;
 mod tally;
+mod transit;
 
 use std::{sync::Arc, time::Duration};
 
@@ -23,9 +25,8 @@ use crate::{
     network::{Exposure, NetworkError},
     scheduler::LatePolicy,
 };
-use frame_run::FrameRun;
+use frame_run::{FrameRun, Memory};
 use hub::Hub;
-use standing::Standings;
 use tally::Tally;
 use tracing::Instrument;
 
@@ -42,6 +43,9 @@ pub struct ClientConfig {
     pub shader_timeout: Duration,
     /// When a tile is late.
     pub late: LatePolicy,
+    /// Whether it is served by shaders that replay recorded costs, and by no others: what it gets
+    /// is no picture. Without, replays are left alone.
+    pub replays: bool,
 }
 
 impl ClientConfig {
@@ -53,6 +57,7 @@ impl ClientConfig {
             exposure,
             shader_timeout: Duration::from_secs(60),
             late: LatePolicy::default(),
+            replays: false,
         }
     }
 }
@@ -100,7 +105,7 @@ pub struct Client {
     camera: watch::Sender<Option<CameraUpdate>>,
     status: watch::Receiver<LieStatus>,
     frames: u64,
-    standings: Standings,
+    memory: Memory,
     tally: Arc<Tally>,
     shutdown: CancellationToken,
     _tasks: JoinSet<()>,
@@ -115,7 +120,7 @@ impl Client {
         let shutdown = CancellationToken::new();
         let tally = Arc::<Tally>::default();
         let (summary, link) = constructor_link::open(&config, &tally).await?;
-        let hub = Arc::new(Hub::new(summary.hash));
+        let hub = Arc::new(Hub::new(summary.hash, config.replays));
         let (camera, cameras) = watch::channel(None);
         let (statuses, status) = watch::channel(LieStatus::default());
         let (rosters, roster) = watch::channel(Vec::new());
@@ -142,7 +147,7 @@ impl Client {
             camera,
             status,
             frames: 0,
-            standings: Standings::default(),
+            memory: Memory::default(),
             tally,
             shutdown,
             _tasks: tasks,
@@ -206,7 +211,8 @@ impl Client {
     }
 
     /// Renders a frame with all shaders there are, and with those that come meanwhile. A
-    /// shader that is lost is replaced by the others.
+    /// shader that is lost is replaced by the others. If this is dropped while it waits, the
+    /// shaders are told to stop.
     ///
     /// # Errors
     /// [`ClientError::NoShaders`] if there is none for too long, and at once
@@ -214,7 +220,8 @@ impl Client {
     pub async fn render_frame(&mut self, request: &FrameRequest) -> Result<Frame, ClientError> {
         self.frames += 1;
         let view = self.tally.view();
-        let run = FrameRun::new(self.frames, request, &self.config, &mut self.standings)?;
+        let (config, threads) = (&self.config, self.hub.threads());
+        let run = FrameRun::new(self.frames, request, config, &mut self.memory, threads)?;
         let run = run.of_view(view);
         let span = tracing::error_span!("frame", view, frame = self.frames);
         self.tally.begin();

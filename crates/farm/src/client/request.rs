@@ -40,6 +40,11 @@ pub struct Frame {
 pub struct FrameStats {
     /// From the call of [`super::Client::render_frame`] until the last tile is in the film.
     pub frame_ms: f64,
+    /// From the call until the frame and its first tiles were handed to the connections with
+    /// shaders.
+    pub asked_ms: f64,
+    /// From the call until the last tile has come.
+    pub last_tile_ms: f64,
     /// From the call until the first tile is in the film.
     pub latency_ms: f64,
     /// Oldest LIEs that a tile was shaded with.
@@ -48,6 +53,8 @@ pub struct FrameStats {
     pub lie_version_max: u64,
     /// Share of light evaluations that the LIEs answered, in `[0, 1]`.
     pub trusted_fraction: f64,
+    /// Tiles that it was cut into.
+    pub tiles: u64,
     /// Tiles that were in flight at shaders that went away.
     pub lost_tiles: u64,
     /// How often a tile was given to another shader as well because it was late.

@@ -29,6 +29,8 @@ const FIRST_PAUSE: Duration = Duration::from_millis(50);
 const LAST_PAUSE: Duration = Duration::from_secs(2);
 /// A session that lasted for so long was a good one: after it the shader is dialled soon.
 const STEADY: Duration = Duration::from_secs(5);
+/// Tiles that a shader may be asked for at once, for each of its threads.
+const MOST_CREDITS: usize = 8;
 /// A shader that claims more threads gets no more credits.
 const MAX_THREADS: u32 = 4096;
 
@@ -49,7 +51,8 @@ pub(super) async fn keep_all(
     loop {
         let ready: Places = {
             let roster = roster.borrow_and_update();
-            let ready = roster.iter().filter(|entry| entry.ready);
+            let is_ours = |entry: &&RosterEntry| entry.ready && entry.replays == hub.replays;
+            let ready = roster.iter().filter(is_ours);
             // Sorted by number: of one address the newest counts.
             ready
                 .map(|entry| (entry.address.as_str().to_owned(), entry.id))
@@ -135,6 +138,17 @@ async fn session(hub: &Hub, address: &str, stream: Stream) -> (LinkError, bool) 
     let (mut receiver, mut sender) = connection::split(stream);
     let hello = handshake::hello(Role::Client, 0, 0);
     let answer = match handshake::greet(&mut receiver, &mut sender, hello).await {
+        // Whatever the roster says: the picture must be one.
+        Ok(In::Welcome(welcome)) if welcome.replays != hub.replays => {
+            let kind = if welcome.replays {
+                "replays costs"
+            } else {
+                "renders"
+            };
+            Err(LinkError::Rules(format!(
+                "it {kind}, which is not asked for"
+            )))
+        }
         Ok(In::Welcome(welcome)) if welcome.scene == hub.scene => Ok(welcome),
         Ok(In::Welcome(_)) => Err(LinkError::Rules("it renders another scene".to_owned())),
         Ok(In::Refuse(refusal)) => Err(handshake::refused(&receiver, refusal)),
@@ -147,7 +161,7 @@ async fn session(hub: &Hub, address: &str, stream: Stream) -> (LinkError, bool) 
     };
     let threads = welcome.threads.clamp(1, MAX_THREADS);
     // Two frames' requests and what else there is to say.
-    let (outbox, messages) = mpsc::channel(4 * threads as usize + 16);
+    let (outbox, messages) = mpsc::channel(2 * MOST_CREDITS * threads as usize + 16);
     let cut = CancellationToken::new();
     let link = Link {
         address: address.to_owned(),

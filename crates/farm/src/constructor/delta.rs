@@ -13,49 +13,38 @@ const PART: usize = 1024 * 1024;
 const MAX_CELL: usize = limit::LIE_DELTA as usize - PART - 64;
 
 /// The parts of one update, made one by one as the socket takes them.
-pub(super) struct Parts {
-    update: Update,
-    next_key: usize,
-    next_part: u32,
-    done: bool,
+pub(super) struct Parts<'a> {
+    update: &'a Update,
 }
 
-impl Parts {
-    pub(super) fn of(update: Update) -> Self {
-        Self {
-            update,
-            next_key: 0,
-            next_part: 0,
-            done: false,
-        }
+impl<'a> Parts<'a> {
+    pub(super) fn of(update: &'a Update) -> Self {
+        Self { update }
     }
 
-    /// The next part; an update always has at least one.
-    pub(super) fn next(&mut self) -> Option<LieDelta> {
-        if self.done {
-            return None;
-        }
+    /// The part of this number, which begins with this of the update's cells; and where the next
+    /// one begins, if there is one. An update always has at least one.
+    pub(super) fn part(&self, first: usize, number: u32) -> (LieDelta, Option<usize>) {
+        let keys = &self.update.keys;
         let mut cells = Vec::new();
-        let mut bytes = 0;
-        while bytes < PART && self.next_key < self.update.keys.len() {
-            let key = self.update.keys[self.next_key];
-            self.next_key += 1;
-            if let Some(state) = self.update.tree.state(key) {
+        let (mut bytes, mut next) = (0, first);
+        while bytes < PART && next < keys.len() {
+            if let Some(state) = self.update.tree.state(keys[next]) {
                 let (cell, cell_bytes) = fitted(&state);
                 cells.push(cell);
                 bytes += cell_bytes;
             }
+            next += 1;
         }
-        self.done = self.next_key == self.update.keys.len();
-        let part = self.next_part;
-        self.next_part += 1;
-        Some(LieDelta {
+        let last = next >= keys.len();
+        let part = LieDelta {
             from_version: self.update.from_version,
             to_version: self.update.to_version,
-            part,
-            last: self.done,
+            part: number,
+            last,
             cells,
-        })
+        };
+        (part, (!last).then_some(next))
     }
 }
 

@@ -9,24 +9,35 @@ use tokio::sync::Notify;
 /// The newest tree, and what each shader does not have of it yet.
 ///
 /// A shader's debt is a *set* of cells, bounded by the octree however slow the shader; what
-/// it gets is always the newest state.
+/// it gets is always the newest state. Shaders that have the same edition are owed the same, and
+/// share one set: hundreds that keep up cost no more than one.
 pub(super) struct LieFeed(Mutex<State>);
 
 struct State {
     tree: LieTree,
-    debts: BTreeMap<u32, Debt>,
+    /// Counts what was published, from 1; 0 is having nothing.
+    edition: u64,
+    places: BTreeMap<u32, Place>,
+    /// What is owed to whoever has that edition.
+    debts: BTreeMap<u64, Debt>,
 }
 
-struct Debt {
-    /// The version that the shader has once it has applied what was taken for it.
+/// A shader.
+struct Place {
+    /// What it has once it has applied what was taken for it.
+    edition: u64,
     version: u64,
-    owed: Owed,
     bell: Arc<Notify>,
 }
 
-enum Owed {
-    Everything,
-    Cells(BTreeSet<CellKey>),
+#[derive(Default)]
+struct Debt {
+    /// How many shaders owe it; it is forgotten with the last.
+    shaders: usize,
+    /// Of edition 0 it is everything, and this is empty.
+    cells: BTreeSet<CellKey>,
+    /// The same as a list, as long as it stays the same.
+    keys: Option<Arc<[CellKey]>>,
 }
 
 /// Cells to send: their states in `tree` lead from one version to the other.
@@ -35,8 +46,10 @@ pub(super) struct Update {
     /// 0 is a snapshot.
     pub(super) from_version: u64,
     pub(super) to_version: u64,
+    /// From which edition to which: updates for which they are the same are the same.
+    pub(super) editions: (u64, u64),
     /// Parents before children.
-    pub(super) keys: Vec<CellKey>,
+    pub(super) keys: Arc<[CellKey]>,
 }
 
 /// A shader's place in the feed; given back when dropped.
@@ -50,6 +63,8 @@ impl LieFeed {
     pub(super) fn new(tree: LieTree) -> Self {
         Self(Mutex::new(State {
             tree,
+            edition: 1,
+            places: BTreeMap::new(),
             debts: BTreeMap::new(),
         }))
     }
@@ -58,11 +73,15 @@ impl LieFeed {
     pub(super) fn publish(&self, tree: LieTree, changed: &[CellKey]) {
         let mut state = self.lock();
         state.tree = tree;
-        for debt in state.debts.values_mut() {
-            if let Owed::Cells(cells) = &mut debt.owed {
-                cells.extend(changed);
+        state.edition += 1;
+        for (&edition, debt) in &mut state.debts {
+            debt.keys = None;
+            if edition > 0 {
+                debt.cells.extend(changed);
             }
-            debt.bell.notify_one();
+        }
+        for place in state.places.values() {
+            place.bell.notify_one();
         }
     }
 
@@ -70,12 +89,15 @@ impl LieFeed {
     pub(super) fn subscribe(&self, id: u32) -> Subscription<'_> {
         let bell = Arc::new(Notify::new());
         bell.notify_one();
-        let debt = Debt {
+        let place = Place {
+            edition: 0,
             version: 0,
-            owed: Owed::Everything,
             bell: bell.clone(),
         };
-        self.lock().debts.insert(id, debt);
+        let mut state = self.lock();
+        state.places.insert(id, place);
+        state.owe(0);
+        drop(state);
         Subscription {
             feed: self,
             id,
@@ -89,6 +111,34 @@ impl LieFeed {
     }
 }
 
+impl State {
+    /// One more shader has this edition.
+    fn owe(&mut self, edition: u64) {
+        self.debts.entry(edition).or_default().shaders += 1;
+    }
+
+    /// One shader less has it.
+    fn forgive(&mut self, edition: u64) {
+        if let Some(debt) = self.debts.get_mut(&edition) {
+            debt.shaders -= 1;
+            if debt.shaders == 0 {
+                self.debts.remove(&edition);
+            }
+        }
+    }
+
+    /// All that is owed to whoever has this edition.
+    fn keys(&mut self, edition: u64) -> Arc<[CellKey]> {
+        let Self { tree, debts, .. } = self;
+        let debt = debts.entry(edition).or_default();
+        let list = || match edition {
+            0 => tree.keys().into(),
+            _ => debt.cells.iter().copied().collect(),
+        };
+        debt.keys.get_or_insert_with(list).clone()
+    }
+}
+
 impl Subscription<'_> {
     /// Waits until something is owed. May be dropped while it waits.
     pub(super) async fn owed(&self) {
@@ -98,42 +148,45 @@ impl Subscription<'_> {
     /// Takes what is owed; it then counts as sent.
     pub(super) fn take(&self) -> Option<Update> {
         let mut state = self.feed.lock();
-        let State { tree, debts } = &mut *state;
-        let debt = debts.get_mut(&self.id)?;
-        let (tree, to_version) = (tree.clone(), tree.version());
-        let owed = std::mem::replace(&mut debt.owed, Owed::Cells(BTreeSet::new()));
-        let from_version = debt.version;
-        debt.version = to_version;
-        drop(state);
-        match owed {
-            Owed::Everything => Some(Update {
-                keys: tree.keys(),
-                tree,
-                from_version: 0,
-                to_version,
-            }),
-            Owed::Cells(cells) if cells.is_empty() => None,
-            Owed::Cells(cells) => Some(Update {
-                tree,
-                from_version,
-                to_version,
-                keys: cells.into_iter().collect(),
-            }),
+        let (to, to_version) = (state.edition, state.tree.version());
+        let place = state.places.get_mut(&self.id)?;
+        let (from, from_version) = (place.edition, place.version);
+        (place.edition, place.version) = (to, to_version);
+        let keys = state.keys(from);
+        state.forgive(from);
+        state.owe(to);
+        if from > 0 && keys.is_empty() {
+            return None;
         }
+        Some(Update {
+            tree: state.tree.clone(),
+            from_version,
+            to_version,
+            editions: (from, to),
+            keys,
+        })
     }
 
     /// The shader has lost its place: everything is owed again.
     pub(super) fn resync(&self) {
-        if let Some(debt) = self.feed.lock().debts.get_mut(&self.id) {
-            debt.owed = Owed::Everything;
+        let mut state = self.feed.lock();
+        if let Some(place) = state.places.get_mut(&self.id) {
+            let before = std::mem::take(&mut place.edition);
+            place.version = 0;
+            state.forgive(before);
+            state.owe(0);
         }
+        drop(state);
         self.bell.notify_one();
     }
 }
 
 impl Drop for Subscription<'_> {
     fn drop(&mut self) {
-        self.feed.lock().debts.remove(&self.id);
+        let mut state = self.feed.lock();
+        if let Some(place) = state.places.remove(&self.id) {
+            state.forgive(place.edition);
+        }
     }
 }
 
@@ -170,8 +223,11 @@ mod tests {
             assert_eq!(update.from_version, replica.version());
         }
         let to_version = update.to_version;
-        let mut parts = Parts::of(update);
-        while let Some(part) = parts.next() {
+        let (parts, mut next) = (Parts::of(&update), Some(0));
+        let mut number = 0;
+        while let Some(first) = next {
+            let (part, following) = parts.part(first, number);
+            (next, number) = (following, number + 1);
             for cell in part.cells {
                 replica.apply(&convert::cell(cell).unwrap(), LieState::clone);
             }
@@ -222,5 +278,35 @@ mod tests {
             });
             prop_assert!(same);
         }
+    }
+
+    #[test]
+    fn who_has_the_same_edition_is_owed_the_same_list_and_nothing_is_kept_for_who_has_left() {
+        let bounds = Aabb {
+            min: Vec3::ZERO,
+            max: Vec3::ONE,
+        };
+        let mut tree = LieTree::new(bounds, 10, LieSettings::default());
+        let feed = LieFeed::new(tree.clone());
+        let shaders: Vec<_> = (0..3).map(|id| feed.subscribe(id)).collect();
+        let snapshots = [0, 1].map(|id: usize| shaders[id].take().unwrap());
+        assert!(Arc::ptr_eq(&snapshots[0].keys, &snapshots[1].keys));
+        learn(&mut tree, Vec3::splat(0.3));
+        let changed = tree.commit();
+        assert!(!changed.is_empty());
+        feed.publish(tree.clone(), &changed);
+        let updates = [0, 1].map(|id: usize| shaders[id].take().unwrap());
+        assert!(Arc::ptr_eq(&updates[0].keys, &updates[1].keys));
+        assert_eq!(updates[0].editions, updates[1].editions);
+        assert_eq!(updates[0].keys[..], changed[..]);
+        // The third has had nothing, and one is lost.
+        shaders[0].resync();
+        for id in [0, 2] {
+            let update = shaders[id].take().unwrap();
+            assert_eq!((update.from_version, update.editions.0), (0, 0));
+        }
+        assert_eq!(feed.lock().debts.len(), 1);
+        drop(shaders);
+        assert!(feed.lock().debts.is_empty());
     }
 }

@@ -16,6 +16,7 @@ mod rate;
 mod registry;
 mod saver;
 mod shader_session;
+mod shared_parts;
 mod status;
 mod views;
 
@@ -43,6 +44,7 @@ use construction::{Construction, Progress};
 use lie_feed::LieFeed;
 use registry::Registry;
 use saver::Saver;
+use shared_parts::SharedParts;
 use views::Views;
 
 /// Most shaders at once.
@@ -65,6 +67,8 @@ pub struct ConstructorConfig {
     pub freeze: Option<Freeze>,
     /// Where LIEs are kept over restarts.
     pub lies: Option<SnapshotFile>,
+    /// Whether it takes shaders that replay recorded costs: for simulations, and nothing else.
+    pub takes_replays: bool,
 }
 
 /// Learning that ends before the first connection: the same LIEs at every start.
@@ -146,7 +150,9 @@ struct Shared {
     blob: SceneBlob,
     summary: SceneSummary,
     settings: WireLieSettings,
+    takes_replays: bool,
     feed: LieFeed,
+    parts: SharedParts,
     views: Views,
     registry: Registry,
     census: Census,
@@ -176,7 +182,9 @@ pub async fn run(
             split_threshold: lie.split_threshold,
             trust: lie.trust,
         },
+        takes_replays: config.takes_replays,
         feed: LieFeed::new(prepared.builder.tree().clone()),
+        parts: SharedParts::default(),
         views: Views::default(),
         registry: Registry::default(),
         census: Census::new(),
@@ -235,7 +243,12 @@ async fn session(
         mut sender,
     } = caller;
     match hello.role {
-        Role::Shader => {
+        Role::Replay if !shared.takes_replays => {
+            let refusal =
+                Refuse::new("this constructor takes no replays: it is not of a simulation");
+            Err(handshake::refuse(&mut sender, refusal).await)
+        }
+        Role::Shader | Role::Replay => {
             let Some(member) = shared.registry.join_shader(peer.ip(), &hello) else {
                 return Err(full(&mut sender, "shaders").await);
             };

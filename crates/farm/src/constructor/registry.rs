@@ -4,7 +4,7 @@ use std::{
     sync::atomic::{AtomicU32, AtomicUsize, Ordering},
 };
 
-use lie_protocol::{Hello, Roster, RosterEntry, Text};
+use lie_protocol::{Hello, Role, Roster, RosterEntry, Text};
 use tokio::sync::watch;
 
 use super::{MAX_CLIENTS, MAX_SHADERS};
@@ -34,6 +34,7 @@ impl Registry {
             address: Text::new(&address.to_string()),
             threads: hello.threads,
             ready: false,
+            replays: hello.role == Role::Replay,
         };
         let joined = self.shaders.send_if_modified(|shaders| {
             let room = shaders.len() < MAX_SHADERS;

@@ -7,7 +7,7 @@ use tokio::{
     sync::mpsc,
 };
 
-use super::{Shared, census::ShaderRecord, delta::Parts, lie_feed::Update, registry::Member};
+use super::{Shared, census::ShaderRecord, lie_feed::Update, registry::Member};
 use crate::{
     connection::{LinkError, Receiver, Sender},
     outbox::{heartbeat, say_goodbye},
@@ -134,7 +134,7 @@ async fn talk<W: AsyncWrite + Unpin>(
             () = owed => {
                 let update = subscription.as_ref().and_then(|subscription| subscription.take());
                 if let Some(update) = update {
-                    send_update(update, &mut sender).await?;
+                    send_update(shared, update, &mut sender).await?;
                 }
             }
             _ = heartbeat.tick() => {
@@ -177,23 +177,15 @@ async fn send_scene<W: AsyncWrite + Unpin>(
     sender.send(&Out::SceneReady(SceneReady { scene })).await
 }
 
-/// Sends an update part by part. Making a part is work for another thread.
+/// Sends an update part by part, each of which other shaders may be sent as well.
 async fn send_update<W: AsyncWrite + Unpin>(
+    shared: &Shared,
     update: Update,
     sender: &mut Sender<W>,
 ) -> Result<(), LinkError> {
-    let mut parts = Parts::of(update);
-    loop {
-        let made = tokio::task::spawn_blocking(move || (parts.next(), parts)).await;
-        let Ok((part, rest)) = made else {
-            return Err(LinkError::Rules(
-                "a LIE update could not be made".to_owned(),
-            ));
-        };
-        let Some(part) = part else {
-            return Ok(());
-        };
-        sender.send(&Out::LieDelta(part)).await?;
-        parts = rest;
+    let mut way = shared.parts.of(update);
+    while let Some(part) = way.next().await? {
+        sender.send_encoded(part.bytes()).await?;
     }
+    Ok(())
 }

@@ -51,6 +51,7 @@ impl Shared {
                 id: entry.id,
                 address: entry.address.clone(),
                 threads: entry.threads,
+                replays: entry.replays,
                 health: health(entry.ready, heard),
                 joined_ms: milliseconds(record.joined.elapsed()),
                 heard_ms: milliseconds(heard),

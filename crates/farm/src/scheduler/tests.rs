@@ -178,16 +178,6 @@ fn a_late_tile_that_nobody_can_take_over_wakes_nobody() {
     assert!(deadline.is_none_or(|deadline| deadline > at(start, 5000)));
 }
 
-#[test]
-fn the_middle_comes_first() {
-    let centres: Vec<_> = (0..3)
-        .flat_map(|y| (0..3).map(move |x| (16 + 32 * x, 16 + 32 * y)))
-        .collect();
-    let order = centre_out(&centres, (96, 96));
-    assert_eq!(order, [4, 1, 3, 5, 7, 0, 2, 6, 8]);
-    assert!(centre_out(&[], (1, 1)).is_empty());
-}
-
 /// What may happen between two assignments.
 #[derive(Clone, Copy, Debug)]
 enum Event {

@@ -28,9 +28,9 @@ use crate::{
     serve::Caller,
 };
 
-/// Tiles that a client may have outstanding, for each render thread; twice is what an
-/// honest one asks for.
-const OUTSTANDING_PER_THREAD: u32 = 8;
+/// Tiles that a client may have outstanding, for each render thread: twice as many as an honest
+/// one that is far away asks for.
+const OUTSTANDING_PER_THREAD: u32 = 16;
 
 /// Serves a client until it leaves or the scene changes.
 pub(super) async fn run(shared: &Shared, caller: Caller) -> Result<(), LinkError> {
@@ -51,6 +51,7 @@ pub(super) async fn run(shared: &Shared, caller: Caller) -> Result<(), LinkError
     let welcome = TileWelcome {
         scene: stage.scene,
         threads: shared.threads,
+        replays: false,
     };
     receiver.count_into(&shared.meter.from_clients);
     sender.count_into(&shared.meter.to_clients);

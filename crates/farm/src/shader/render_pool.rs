@@ -162,7 +162,9 @@ fn work(queue: &Queue, audit: f32) {
         }
         job.frame.outstanding.fetch_sub(1, Ordering::Relaxed);
         drop(busy);
-        if audit > 0.0 && job.frame.integrator == WireIntegrator::Lie {
+        // What is checked for a frame that nobody waits for is what the next one waits for.
+        let is_wanted = !job.frame.cancelled.load(Ordering::Relaxed);
+        if audit > 0.0 && is_wanted && job.frame.integrator == WireIntegrator::Lie {
             let Job { frame, tile, .. } = &job;
             let checked = catch_unwind(AssertUnwindSafe(|| {
                 let FrameWork {

@@ -68,7 +68,8 @@ pub(crate) fn opening() -> impl Strategy<Value = Opening> {
         Just(Role::Constructor),
         Just(Role::Shader),
         Just(Role::Client),
-        Just(Role::Observer)
+        Just(Role::Observer),
+        Just(Role::Replay)
     ];
     let hello = (role, any::<u32>(), any::<u16>(), text()).prop_map(
         |(role, threads, listen_port, build)| Hello {
@@ -235,12 +236,13 @@ fn summary() -> impl Strategy<Value = SceneSummary> {
 pub(crate) fn constructor_to_client() -> impl Strategy<Value = ConstructorToClient> {
     use ConstructorToClient as M;
     let entry =
-        (any::<[u32; 2]>(), text(), any::<bool>()).prop_map(|([id, threads], address, ready)| {
+        (any::<[u32; 2]>(), text(), any::<[bool; 2]>()).prop_map(|([id, threads], address, is)| {
             RosterEntry {
                 id,
                 address,
                 threads,
-                ready,
+                ready: is[0],
+                replays: is[1],
             }
         });
     prop_oneof![
@@ -307,7 +309,7 @@ pub(crate) fn constructor_to_observer() -> impl Strategy<Value = ConstructorToOb
         Just(ShaderHealth::Silent)
     ];
     let shader = (
-        any::<[u32; 2]>(),
+        (any::<[u32; 2]>(), any::<bool>()),
         text(),
         health,
         any::<[u64; 3]>(),
@@ -315,10 +317,11 @@ pub(crate) fn constructor_to_observer() -> impl Strategy<Value = ConstructorToOb
         option::of(shader_report()),
     )
         .prop_map(
-            |([id, threads], address, health, times, ping_us, report)| ShaderStatus {
+            |(([id, threads], replays), address, health, times, ping_us, report)| ShaderStatus {
                 id,
                 address,
                 threads,
+                replays,
                 health,
                 joined_ms: times[0],
                 heard_ms: times[1],
@@ -416,8 +419,13 @@ pub(crate) fn shader_to_client() -> impl Strategy<Value = ShaderToClient> {
         ping().prop_map(M::Ping),
         pong().prop_map(M::Pong),
         goodbye().prop_map(M::Goodbye),
-        (hash(), any::<u32>())
-            .prop_map(|(scene, threads)| M::Welcome(TileWelcome { scene, threads })),
+        (hash(), any::<u32>(), any::<bool>()).prop_map(|(scene, threads, replays)| {
+            M::Welcome(TileWelcome {
+                scene,
+                threads,
+                replays,
+            })
+        }),
         tile.prop_map(M::TileDone),
     ]
 }

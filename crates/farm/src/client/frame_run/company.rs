@@ -15,10 +15,13 @@ pub(super) const REMINDER: Duration = Duration::from_secs(2);
 impl FrameRun<'_> {
     /// Takes who is there; those who have let frames wait are in reserve for a while.
     pub(super) fn gather(&mut self, links: BTreeMap<ShaderId, Link>) {
-        self.standings.keep_only(|id| links.contains_key(&id));
+        self.memory
+            .standings
+            .keep_only(|id| links.contains_key(&id));
+        self.memory.transits.keep_only(|id| links.contains_key(&id));
         let now = Instant::now();
         for (id, link) in links {
-            self.stats.set_aside += u64::from(!self.standings.may_work(id, now));
+            self.stats.set_aside += u64::from(!self.memory.standings.may_work(id, now));
             self.join(id, link);
         }
     }
@@ -55,7 +58,7 @@ impl FrameRun<'_> {
         let now = Instant::now();
         for (&id, (link, _)) in &self.links {
             if self.scheduler.is_silent(id, now) {
-                let pause = self.standings.failed(id, now);
+                let pause = self.memory.standings.failed(id, now);
                 tracing::warn!(
                     "shader {} gave nothing while a frame waited: it is set aside for {} s",
                     link.address,

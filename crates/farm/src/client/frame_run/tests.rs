@@ -45,8 +45,8 @@ fn done(tile: u32, radiance: &[Vec3]) -> TileDone {
 #[test]
 fn only_what_was_asked_for_and_is_possible_stays_on_the_film() {
     let (request, config) = (request(), ClientConfig::new("here:2", Exposure::Loopback));
-    let mut standings = Standings::default();
-    let mut run = FrameRun::new(1, &request, &config, &mut standings).unwrap();
+    let mut memory = Memory::default();
+    let mut run = FrameRun::new(1, &request, &config, &mut memory, 0).unwrap();
     let mut film = Film::new(request.size);
     let ((first, _asked_first), (second, _asked_second)) = (link(), link());
     run.join(1, first.clone());
@@ -96,10 +96,10 @@ fn who_lets_a_frame_wait_is_not_asked_in_the_next_unless_there_is_nobody_else() 
     let mut config = ClientConfig::new("here:2", Exposure::Loopback);
     config.late.floor = Duration::ZERO;
     config.late.factor = 0.0;
-    let (request, mut standings) = (request(), Standings::default());
+    let (request, mut memory) = (request(), Memory::default());
     let ((hangs, _asked_first), (works, mut asked)) = (link(), link());
     let both = BTreeMap::from([(1, hangs.clone()), (2, works)]);
-    let mut run = FrameRun::new(1, &request, &config, &mut standings).unwrap();
+    let mut run = FrameRun::new(1, &request, &config, &mut memory, 0).unwrap();
     let mut film = Film::new(request.size);
     run.gather(both.clone());
     while !run.scheduler.is_done() {
@@ -112,9 +112,10 @@ fn who_lets_a_frame_wait_is_not_asked_in_the_next_unless_there_is_nobody_else() 
         }
     }
     run.set_aside_the_silent();
+    drop(run);
 
     while asked.try_recv().is_ok() {}
-    let mut run = FrameRun::new(2, &request, &config, &mut standings).unwrap();
+    let mut run = FrameRun::new(2, &request, &config, &mut memory, 0).unwrap();
     run.gather(both);
     assert_eq!((run.scheduler.shaders(), run.stats.set_aside), (2, 1));
     run.assign();
@@ -129,9 +130,10 @@ fn who_lets_a_frame_wait_is_not_asked_in_the_next_unless_there_is_nobody_else() 
     let tile = (0..3).find(|&tile| run.scheduler.wants(tile, 1)).unwrap();
     let size = run.tiles[tile as usize].size;
     run.take(1, &done(tile, &vec![Vec3::ONE; size.x as usize]), &mut film);
-    assert_eq!(standings.credits(1, 2), 2);
+    drop(run);
+    assert_eq!(memory.standings.credits(1, 2), 2);
 
-    let mut run = FrameRun::new(3, &request, &config, &mut standings).unwrap();
+    let mut run = FrameRun::new(3, &request, &config, &mut memory, 0).unwrap();
     run.gather(BTreeMap::from([(1, hangs)]));
     assert_eq!(run.stats.set_aside, 0);
 }
