@@ -163,6 +163,7 @@ impl Seeds {
             address: Text::new("127.0.0.1:7401"),
             threads: 2,
             ready: id != 2,
+            replays: id == 3,
         };
         let shaders = (1..4).map(entry).collect();
         self.add(way, ConstructorToClient::Roster(Roster { shaders }));
@@ -209,7 +210,11 @@ impl Seeds {
     fn tiles(&mut self, fixture: &Fixture) {
         let way = Way::ShaderToClient;
         let (scene, threads) = (fixture.hash, 2);
-        let welcome = TileWelcome { scene, threads };
+        let welcome = TileWelcome {
+            scene,
+            threads,
+            replays: false,
+        };
         self.add(way, ShaderToClient::Welcome(welcome));
         let builder = fixture.learnt();
         let lies = LieReplica::of(fixture.world.clone(), builder.tree()).publish();
@@ -246,6 +251,7 @@ impl Seeds {
             heard_ms: 12,
             ping_us: Some(140),
             sent_bytes: 1 << 20,
+            replays: id == 2,
             report,
         };
         let client = ClientStatus {
