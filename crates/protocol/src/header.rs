@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 4] = *b"LIE\x1a";
 
 /// Version of everything but the header itself, the hello and the refusal, whose layouts
 /// never change.
-pub const PROTOCOL_VERSION: u16 = 6;
+pub const PROTOCOL_VERSION: u16 = 7;
 
 /// What precedes every body: magic, then version, kind and body length, little-endian.
 ///

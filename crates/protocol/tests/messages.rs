@@ -251,12 +251,12 @@ fn messages_in_sequence_come_out_in_sequence_and_errors_are_named() {
     );
 
     let mut other_version = bytes[..Header::LENGTH].to_vec();
-    other_version[4] = 7;
+    other_version[4] = 8;
     let mut decoder = Decoder::default();
     decoder.push(&other_version);
     assert_eq!(
         decoder.next::<ClientToShader>(),
-        Err(ProtocolError::Version { theirs: 7 })
+        Err(ProtocolError::Version { theirs: 8 })
     );
 }
 

@@ -1,4 +1,5 @@
 mod company;
+mod failures;
 
 use std::{
     collections::BTreeMap,
@@ -19,6 +20,7 @@ use crate::{
     scheduler::{Completion, Scheduler, ShaderId, centre_out},
 };
 use company::{LOOK_ROUND, REMINDER};
+use failures::Failures;
 
 /// One frame in work.
 pub(super) struct FrameRun<'a> {
@@ -30,6 +32,7 @@ pub(super) struct FrameRun<'a> {
     scheduler: Scheduler,
     links: BTreeMap<ShaderId, (Link, u64)>,
     standings: &'a mut Standings,
+    failures: Failures,
     stats: FrameStats,
     started: Instant,
     /// Since when there has been no shader.
@@ -67,6 +70,7 @@ impl<'a> FrameRun<'a> {
             tiles,
             links: BTreeMap::new(),
             standings,
+            failures: Failures::default(),
             stats: FrameStats {
                 lie_version: u64::MAX,
                 ..FrameStats::default()
@@ -91,7 +95,10 @@ impl<'a> FrameRun<'a> {
         let mut film = Film::new(self.request.size);
         while !self.scheduler.is_done() {
             self.assign();
-            self.next_event(hub, &mut events, &mut film).await?;
+            if let Err(error) = self.next_event(hub, &mut events, &mut film).await {
+                self.call_off_the_rest();
+                return Err(error);
+            }
         }
         self.set_aside_the_silent();
         self.call_off_the_rest();
@@ -117,6 +124,7 @@ impl<'a> FrameRun<'a> {
                 Some(Event::Joined(id, link)) => self.join(id, link),
                 Some(Event::Left(id)) => self.lose(id),
                 Some(Event::Tile(id, done)) => self.take(id, &done, film),
+                Some(Event::Failed(id, failed)) => self.fail(id, &failed)?,
                 // The hub holds the other end for as long as this frame is the newest.
                 None => return Err(ClientError::NoShaders(Duration::ZERO)),
             },
@@ -241,7 +249,7 @@ impl<'a> FrameRun<'a> {
         };
     }
 
-    /// Tiles that two shaders had are still in work at the slower one.
+    /// Tiles that two shaders had are still in work at the slower one, and all if the frame has failed.
     fn call_off_the_rest(&self) {
         for (&id, (link, _)) in &self.links {
             if self.scheduler.in_flight(id) > 0 {

@@ -419,6 +419,13 @@ pub(crate) fn shader_to_client() -> impl Strategy<Value = ShaderToClient> {
         (hash(), any::<u32>())
             .prop_map(|(scene, threads)| M::Welcome(TileWelcome { scene, threads })),
         tile.prop_map(M::TileDone),
+        (any::<u64>(), any::<u32>(), text()).prop_map(|(frame, tile, reason)| {
+            M::TileFailed(TileFailed {
+                frame,
+                tile,
+                reason,
+            })
+        }),
     ]
 }
 
