@@ -34,13 +34,21 @@ fn number(variable: &str, default: u64) -> u64 {
 /// Breaks things so many times. Correctness is asserted strictly. Of time, that nothing hangs, and that
 /// frames keep [`PROMISE`] but for one in twenty-five faults: a machine that is busy with other things may
 /// hold everything up. Were late tiles not given to others, two kinds of nine would cost seconds each time.
+///
+/// Seeds that are odd protect every connection with mutual TLS, unless `LIE_FAULTS_TLS` is 0 or 1.
 async fn survive(seed: u64, count: usize) {
-    let rig = Rig::start(3);
+    let is_protected = number("LIE_FAULTS_TLS", seed % 2) != 0;
+    let rig = Rig::start(3, is_protected);
     let (rig, _) = storm::weather(rig, vec![]).await;
     let before = storm::memory(&rig);
     let (rig, told) = storm::weather(rig, schedule::faults(seed, count)).await;
     let after = storm::memory(&rig);
-    println!("seed {seed}, {count} faults");
+    let protection = if is_protected {
+        "mutual TLS"
+    } else {
+        "no bundle"
+    };
+    println!("seed {seed}, {count} faults, {protection}");
     storm::report(&told);
     let names = ["constructor", "shaders at most", "client"];
     for ((name, before), after) in names.iter().zip(before).zip(after) {

@@ -7,7 +7,7 @@ use crate::{
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn clients_beside_each_other_get_their_own_frames() {
-    let rig = Rig::start(2);
+    let rig = Rig::start(2, false);
     let mut alone = rig.client().await;
     let requests = walk(&alone);
     let mut films = Vec::new();

@@ -52,7 +52,7 @@ async fn watch(with_a_slow_one: bool) -> Seen {
     let address: SocketAddr = constructor.address.parse().unwrap();
     // They share a cache: the scene is not what goes over the slow link.
     let nodes: Vec<Node> = (0..2 + usize::from(with_a_slow_one))
-        .map(|number| Node::start(number, address, home.path()))
+        .map(|number| Node::start(number, address, home.path(), None))
         .collect();
     let config = ClientConfig::new(&constructor.address, Exposure::Loopback);
     let mut client = Client::connect(config).await.unwrap();

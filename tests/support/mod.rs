@@ -20,9 +20,16 @@ use std::{
 /// Long enough for anything that works at all.
 pub(crate) const LONG: Duration = Duration::from_secs(60);
 
+/// Where the binary is.
+pub(crate) const BINARY: &str = env!("CARGO_BIN_EXE_lie");
+
 /// The binary.
 pub(crate) fn lie() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lie"));
+    unconfigured(Command::new(BINARY))
+}
+
+/// A command whose processes of ours take nothing from this environment.
+pub(crate) fn unconfigured(mut command: Command) -> Command {
     for variable in [
         "LIE_LOG",
         "LIE_LOG_FORMAT",
@@ -59,9 +66,14 @@ impl Process {
 
     /// The same with a log of another kind.
     pub(crate) fn start_with(arguments: &[&str], logging: &[&str]) -> Self {
-        let mut child = lie()
-            .args(arguments)
-            .args(logging)
+        let mut command = lie();
+        command.args(arguments).args(logging);
+        Self::spawn(command)
+    }
+
+    /// The same of a command that is ready but for its supervision.
+    pub(crate) fn spawn(mut command: Command) -> Self {
+        let mut child = command
             .arg("--supervised")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -81,7 +93,7 @@ impl Process {
         let mut line = String::new();
         stdout.read_line(&mut line).expect("a line");
         let address = line.trim().strip_prefix("listening ");
-        let address = address.unwrap_or_else(|| panic!("{arguments:?} said {line:?}"));
+        let address = address.unwrap_or_else(|| panic!("{command:?} said {line:?}"));
         Self {
             address: address.to_owned(),
             child,

@@ -21,7 +21,8 @@ impl Once {
         self.last = None;
     }
 
-    fn is_news(&mut self, line: &str) -> bool {
+    /// Whether this line is another than the last, which it becomes.
+    pub(crate) fn is_news(&mut self, line: &str) -> bool {
         let is_news = self.last.as_deref() != Some(line);
         if is_news {
             self.last = Some(line.to_owned());

@@ -57,6 +57,10 @@ pub struct Scheduler {
     /// Where and since when each unfinished tile is in flight, the newest holder last.
     in_flight: BTreeMap<u32, Vec<(ShaderId, Instant)>>,
     unfinished: BTreeSet<u32>,
+    /// Who could not render each of these tiles.
+    failures: BTreeMap<u32, BTreeSet<ShaderId>>,
+    /// Those of them that wait for somebody else.
+    again: BTreeSet<u32>,
     shaders: BTreeMap<ShaderId, Shader>,
     policy: LatePolicy,
     finished_time: Duration,
@@ -94,6 +98,8 @@ impl Scheduler {
             unfinished: waiting.iter().copied().collect(),
             waiting,
             in_flight: BTreeMap::new(),
+            failures: BTreeMap::new(),
+            again: BTreeSet::new(),
             shaders: BTreeMap::new(),
             policy,
             finished_time: Duration::ZERO,
@@ -159,7 +165,11 @@ impl Scheduler {
                 holders.retain(|&(holder, _)| holder != shader);
                 if holders.is_empty() {
                     self.in_flight.remove(&tile);
-                    self.waiting.push_front(tile);
+                    if self.failures.contains_key(&tile) {
+                        self.again.insert(tile);
+                    } else {
+                        self.waiting.push_front(tile);
+                    }
                 }
             }
         }
@@ -188,12 +198,35 @@ impl Scheduler {
         Completion::First
     }
 
+    /// A shader could not render a tile: others are asked, and it is again if there is no other. Says whether that
+    /// is news; the tile may have come from another meanwhile.
+    pub fn failed(&mut self, tile: u32, shader: ShaderId) -> bool {
+        if let Some(shader) = self.shaders.get_mut(&shader) {
+            shader.has_finished |= shader.tiles.remove(&tile).is_some();
+        }
+        let Some(holders) = self.in_flight.get_mut(&tile) else {
+            return false;
+        };
+        let before = holders.len();
+        holders.retain(|&(holder, _)| holder != shader);
+        if holders.len() == before {
+            return false;
+        }
+        self.failures.entry(tile).or_default().insert(shader);
+        if holders.is_empty() {
+            self.in_flight.remove(&tile);
+            self.again.insert(tile);
+        }
+        true
+    }
+
     /// What to send now: waiting tiles first, to the shaders with the most free credits;
     /// when none waits, late tiles to idle shaders as well. Where the second is late too, to a
     /// third: both may hang.
     pub fn assign(&mut self, now: Instant) -> Vec<(ShaderId, u32)> {
         let mut assigned = Vec::new();
         let in_need = self.is_in_need(now);
+        self.assign_again(now, &mut assigned);
         while let Some(shader) = self.freest(in_need) {
             let Some(tile) = self.waiting.pop_front() else {
                 break;
@@ -207,6 +240,31 @@ impl Scheduler {
         assigned
     }
 
+    /// Tiles that somebody could not render. One waits for those who have not tried, the relied on first, and goes to
+    /// one that has if all have.
+    fn assign_again(&mut self, now: Instant, assigned: &mut Vec<(ShaderId, u32)>) {
+        for tile in self.again.clone() {
+            let rank = |(id, shader): (&ShaderId, &Shader)| {
+                let has_failed = self.has_failed(*id, tile);
+                (has_failed, shader.is_reserve)
+            };
+            let best = self.shaders.iter().map(rank).min();
+            let mut candidates = self.shaders.iter().filter(|&(id, shader)| {
+                shader.tiles.len() < shader.credits && Some(rank((id, shader))) == best
+            });
+            if let Some((&shader, _)) = candidates.next() {
+                self.again.remove(&tile);
+                self.give(shader, tile, now);
+                assigned.push((shader, tile));
+            }
+        }
+    }
+
+    fn has_failed(&self, shader: ShaderId, tile: u32) -> bool {
+        let failed = self.failures.get(&tile);
+        failed.is_some_and(|failed| failed.contains(&shader))
+    }
+
     fn assign_late(&mut self, now: Instant, in_need: bool, assigned: &mut Vec<(ShaderId, u32)>) {
         let late_after = self.late_after();
         let late: Vec<u32> = self
@@ -217,7 +275,7 @@ impl Scheduler {
             .collect();
         for tile in late {
             let holders = self.in_flight.get(&tile).map_or(&[][..], Vec::as_slice);
-            if let Some(shader) = self.idle_beside(holders, in_need) {
+            if let Some(shader) = self.idle_beside(tile, holders, in_need) {
                 self.reissued += 1;
                 self.give(shader, tile, now);
                 assigned.push((shader, tile));
@@ -225,12 +283,18 @@ impl Scheduler {
         }
     }
 
-    /// A shader that has little to do, other than those that have the tile; one in reserve only
-    /// in need, and if there is no other.
-    fn idle_beside(&self, holders: &[(ShaderId, Instant)], in_need: bool) -> Option<ShaderId> {
+    /// A shader that has little to do, other than those that have the tile or cannot render it; one in
+    /// reserve only in need, and if there is no other.
+    fn idle_beside(
+        &self,
+        tile: u32,
+        holders: &[(ShaderId, Instant)],
+        in_need: bool,
+    ) -> Option<ShaderId> {
         let idle = self.shaders.iter().filter(|&(&id, shader)| {
             let has_it = holders.iter().any(|&(holder, _)| holder == id);
-            !has_it && shader.is_idle(in_need)
+            let may_have_it = !has_it && !self.has_failed(id, tile);
+            may_have_it && shader.is_idle(in_need)
         });
         idle.min_by_key(|&(&id, shader)| (shader.is_reserve, id))
             .map(|(&id, _)| id)
@@ -254,11 +318,11 @@ impl Scheduler {
         // Every event of a frame's end asks this, of hundreds of tiles and shaders.
         let idle = self.shaders.values().filter(|shader| shader.is_idle(false));
         let idle = idle.count();
-        let since = self.in_flight.values().filter_map(|holders| {
+        let since = self.in_flight.iter().filter_map(|(tile, holders)| {
             let can_be_taken = match idle {
                 0 => false,
-                _ if idle > holders.len() => true,
-                _ => self.idle_beside(holders, false).is_some(),
+                _ if idle > holders.len() && !self.failures.contains_key(tile) => true,
+                _ => self.idle_beside(*tile, holders, false).is_some(),
             };
             holders
                 .last()

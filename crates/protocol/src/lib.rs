@@ -67,7 +67,7 @@ pub use message::Message;
 pub use session::{Goodbye, Ping, Pong};
 pub use shader_client::{
     BeginFrame, CancelBefore, ClientToShader, Compression, PixelFormat, ShaderToClient, TileDone,
-    TileReport, TileRequest, TileWelcome, WireCost, WireIntegrator,
+    TileFailed, TileReport, TileRequest, TileWelcome, WireCost, WireIntegrator,
 };
 pub use status::{
     ClientReport, ClientStatus, ConstructorToObserver, FarmStatus, ShaderHealth, ShaderReport,

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Goodbye, Ping, Pong, Refuse, SceneHash, WireCamera,
+    Goodbye, Ping, Pong, Refuse, SceneHash, Text, WireCamera,
     body::{Body, Control},
     codec, limit,
 };
@@ -139,6 +139,17 @@ pub struct TileDone {
     pub pixels: Vec<u8>,
 }
 
+/// A tile that the shader could not render: its code panicked at it. It goes on with others.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TileFailed {
+    /// The frame.
+    pub frame: u64,
+    /// The tile's number in the frame.
+    pub tile: u32,
+    /// Why, for people.
+    pub reason: Text,
+}
+
 /// Tiles of frames before this one are not wanted any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CancelBefore {
@@ -161,6 +172,8 @@ messages! {
         Welcome(TileWelcome) = 48, at most limit::CONTROL;
         /// See [`TileDone`].
         TileDone(TileDone) = 49, at most limit::TILE_PIXELS as u32 + 256;
+        /// See [`TileFailed`].
+        TileFailed(TileFailed) = 50, at most limit::CONTROL;
     }
 }
 
@@ -183,6 +196,7 @@ messages! {
 }
 
 impl Control for TileWelcome {}
+impl Control for TileFailed {}
 impl Control for BeginFrame {}
 impl Control for TileRequest {}
 impl Control for CancelBefore {}

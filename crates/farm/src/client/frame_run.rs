@@ -1,4 +1,5 @@
 mod company;
+mod failures;
 
 use std::{
     collections::BTreeMap,
@@ -21,6 +22,7 @@ use crate::{
     scheduler::{Completion, Scheduler, ShaderId},
 };
 use company::{LOOK_ROUND, REMINDER};
+use failures::Failures;
 
 /// What one frame leaves for the next.
 #[derive(Default)]
@@ -42,6 +44,7 @@ pub(super) struct FrameRun<'a> {
     scheduler: Scheduler,
     links: BTreeMap<ShaderId, (Link, u64)>,
     memory: &'a mut Memory,
+    failures: Failures,
     stats: FrameStats,
     started: Instant,
     /// Since when there has been no shader.
@@ -78,6 +81,7 @@ impl<'a> FrameRun<'a> {
             threads,
             links: BTreeMap::new(),
             memory,
+            failures: Failures::default(),
             stats: FrameStats {
                 lie_version: u64::MAX,
 
@@ -105,7 +109,10 @@ impl<'a> FrameRun<'a> {
         let mut film = Film::new(self.request.size);
         while !self.scheduler.is_done() {
             self.assign();
-            self.next_event(hub, &mut events, &mut film).await?;
+            if let Err(error) = self.next_event(hub, &mut events, &mut film).await {
+                self.call_off_the_rest();
+                return Err(error);
+            }
         }
         self.set_aside_the_silent();
         self.call_off_the_rest();
@@ -131,6 +138,7 @@ impl<'a> FrameRun<'a> {
                 Some(Event::Joined(id, link)) => self.join(id, link),
                 Some(Event::Left(id)) => self.lose(id),
                 Some(Event::Tile(id, done)) => self.take(id, &done, film),
+                Some(Event::Failed(id, failed)) => self.fail(id, &failed)?,
                 // The hub holds the other end for as long as this frame is the newest.
                 None => return Err(ClientError::NoShaders(Duration::ZERO)),
             },
@@ -272,7 +280,7 @@ impl<'a> FrameRun<'a> {
         };
     }
 
-    /// Tiles that are still in work are not wanted: two shaders had them, or the frame was given up.
+    /// Tiles that are still in work are not wanted: two shaders had them, or the frame was given up or failed.
     fn call_off_the_rest(&self) {
         for (&id, (link, _)) in &self.links {
             if self.scheduler.in_flight(id) > 0 {

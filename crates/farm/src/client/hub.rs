@@ -3,7 +3,7 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use lie_protocol::{ClientToShader, SceneHash, Text, TileDone};
+use lie_protocol::{ClientToShader, SceneHash, Text, TileDone, TileFailed};
 use tokio::sync::{mpsc, watch};
 use tokio_util::sync::CancellationToken;
 
@@ -46,6 +46,7 @@ pub(super) enum Event {
     Joined(ShaderId, Link),
     Left(ShaderId),
     Tile(ShaderId, TileDone),
+    Failed(ShaderId, TileFailed),
 }
 
 impl Hub {
@@ -96,6 +97,12 @@ impl Hub {
     pub(super) async fn tile(&self, id: ShaderId, done: TileDone) {
         let listener = self.lock().listener(Some(done.report.frame));
         tell(listener, Event::Tile(id, done)).await;
+    }
+
+    /// A tile cannot be rendered there.
+    pub(super) async fn failed(&self, id: ShaderId, failed: TileFailed) {
+        let listener = self.lock().listener(Some(failed.frame));
+        tell(listener, Event::Failed(id, failed)).await;
     }
 
     /// Render threads of all sessions there are.

@@ -15,6 +15,7 @@ use std::{sync::Arc, time::Duration};
 
 use glam::UVec2;
 use lie_protocol::{CameraUpdate, LieStatus, SceneSummary, Text};
+use lie_render::Tile;
 use lie_scene::Camera;
 use tokio::{sync::watch, task::JoinSet};
 use tokio_util::sync::CancellationToken;
@@ -90,6 +91,20 @@ pub enum ClientError {
         address: String,
         /// The name of its scene.
         scene: Text,
+    },
+    /// A tile was tried so often that it cannot be anybody's mishap, by as many shaders as there were.
+    #[error(
+        "tile {number} of the frame, {size} pixels at {origin}, cannot be rendered: {reasons}",
+        size = tile.size,
+        origin = tile.origin
+    )]
+    Tile {
+        /// Its number.
+        number: u32,
+        /// Where it is.
+        tile: Tile,
+        /// What each of the shaders said.
+        reasons: String,
     },
     /// The frame cannot be asked for.
     #[error("the frame's size or samples are out of their limits")]
@@ -215,8 +230,8 @@ impl Client {
     /// shaders are told to stop.
     ///
     /// # Errors
-    /// [`ClientError::NoShaders`] if there is none for too long, and at once
-    /// [`ClientError::OtherScene`] if none will come.
+    /// [`ClientError::NoShaders`] if there is none for too long, at once
+    /// [`ClientError::OtherScene`] if none will come, and [`ClientError::Tile`] if shaders fail at one of its tiles.
     pub async fn render_frame(&mut self, request: &FrameRequest) -> Result<Frame, ClientError> {
         self.frames += 1;
         let view = self.tally.view();

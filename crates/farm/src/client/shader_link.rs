@@ -172,7 +172,7 @@ async fn session(hub: &Hub, address: &str, stream: Stream) -> (LinkError, bool) 
     let id = hub.join(link).await;
     tracing::info!("shader {address} renders for us");
     let ended = tokio::select! {
-        ended = listen(hub, id, &mut receiver, &outbox) => ended,
+        ended = listen(hub, (id, address), &mut receiver, &outbox) => ended,
         ended = drain(&mut sender, messages, &cut, |_| true) => ended,
     };
     hub.leave(id).await;
@@ -181,13 +181,19 @@ async fn session(hub: &Hub, address: &str, stream: Stream) -> (LinkError, bool) 
 
 async fn listen<R: AsyncRead + Unpin>(
     hub: &Hub,
-    id: ShaderId,
+    (id, address): (ShaderId, &str),
     receiver: &mut Receiver<R>,
     outbox: &mpsc::Sender<Out>,
 ) -> Result<(), LinkError> {
+    let mut failures = Once::default();
     loop {
         match receiver.receive().await? {
             In::TileDone(done) => hub.tile(id, done).await,
+            In::TileFailed(failed) => {
+                let reason = &failed.reason;
+                failures.warn(&format!("shader {address} cannot render a tile: {reason}"));
+                hub.failed(id, failed).await;
+            }
             In::Ping(Ping { nonce }) => {
                 // A full box means that bytes are on their way: sign of life enough.
                 let _ = outbox.try_send(Out::Pong(Pong { nonce }));

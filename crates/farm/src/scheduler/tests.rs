@@ -178,6 +178,43 @@ fn a_late_tile_that_nobody_can_take_over_wakes_nobody() {
     assert!(deadline.is_none_or(|deadline| deadline > at(start, 5000)));
 }
 
+#[test]
+fn a_tile_that_a_shader_cannot_render_goes_to_those_who_have_not_tried() {
+    let start = Instant::now();
+    let mut scheduler = Scheduler::new(0..3, LatePolicy::default());
+    scheduler.joined(1, 1);
+    scheduler.joined(2, 2);
+    scheduler.joined_in_reserve(3);
+    assert_eq!(scheduler.assign(start), [(2, 0), (1, 1), (2, 2)]);
+    assert!(scheduler.failed(1, 1));
+    assert!(
+        !scheduler.failed(1, 1),
+        "once for each time that it was given"
+    );
+    // The second is busy, and the third not relied on: it is waited for.
+    assert!(scheduler.assign(start).is_empty());
+    assert_eq!(scheduler.completed(0, 2, start), Completion::First);
+    assert_eq!(scheduler.assign(start), [(2, 1)]);
+    assert!(scheduler.failed(1, 2));
+    assert_eq!(scheduler.assign(start), [(3, 1)]);
+    // Nobody is left who has not tried.
+    assert!(scheduler.failed(1, 3));
+    assert_eq!(scheduler.assign(start), [(1, 1)]);
+    scheduler.lost(1);
+    assert_eq!(scheduler.assign(start), [(2, 1)]);
+    // One that is late does not go to who could not render it.
+    scheduler.joined(4, 2);
+    assert_eq!(scheduler.assign(at(start, 5000)), [(4, 1)]);
+    assert!(scheduler.failed(1, 4));
+    assert_eq!(scheduler.assign(at(start, 5001)), [(4, 2)]);
+    for (tile, shader) in [(2, 4), (1, 2)] {
+        let completion = scheduler.completed(tile, shader, at(start, 5002));
+        assert_eq!(completion, Completion::First);
+    }
+    assert!(!scheduler.failed(1, 2), "it is done");
+    assert!(scheduler.is_done());
+}
+
 /// What may happen between two assignments.
 #[derive(Clone, Copy, Debug)]
 enum Event {
@@ -186,6 +223,7 @@ enum Event {
     Lose(u32),
     /// Of the tiles in flight; the first without an index.
     Complete(Option<prop::sample::Index>),
+    Fail(prop::sample::Index),
     Wait(u16),
 }
 
@@ -195,6 +233,7 @@ fn event() -> impl Strategy<Value = Event> {
         1 => (0u32..5).prop_map(Event::Reserve),
         1 => (0u32..5).prop_map(Event::Lose),
         6 => any::<prop::sample::Index>().prop_map(|index| Event::Complete(Some(index))),
+        2 => any::<prop::sample::Index>().prop_map(Event::Fail),
         2 => (0u16..2000).prop_map(Event::Wait),
     ]
 }
@@ -232,7 +271,11 @@ proptest! {
                         done[tile as usize] += 1;
                     }
                 }
-                Event::Complete(_) => {}
+                Event::Fail(index) if !flying.is_empty() => {
+                    let (shader, tile) = flying.swap_remove(index.index(flying.len()));
+                    prop_assert_eq!(scheduler.failed(tile, shader), done[tile as usize] == 0);
+                }
+                Event::Complete(_) | Event::Fail(_) => {}
                 Event::Wait(ms) => now += Duration::from_millis(ms.into()),
             }
             flying.extend(scheduler.assign(now));

@@ -63,6 +63,7 @@ pub(super) async fn run(shared: &Shared, caller: Caller) -> Result<(), LinkError
     let newest = AtomicU64::new(0);
     let wanted = |message: &Out| match message {
         Out::TileDone(done) => done.report.frame >= newest.load(Ordering::Relaxed),
+        Out::TileFailed(failed) => failed.frame >= newest.load(Ordering::Relaxed),
         _ => true,
     };
     let mut session = Session {

@@ -1,4 +1,5 @@
 use std::{
+    any::Any,
     collections::VecDeque,
     io,
     panic::{AssertUnwindSafe, catch_unwind},
@@ -11,15 +12,15 @@ use std::{
 };
 
 use lie_protocol::{
-    Compression, PixelFormat, ShaderToClient, TileDone, TileReport, TileRequest, WireCost,
-    WireIntegrator,
+    Compression, PixelFormat, ShaderToClient, Text, TileDone, TileFailed, TileReport, TileRequest,
+    WireCost, WireIntegrator,
 };
 use lie_render::{FrameSettings, LieLookup, RenderStats, Tile, render_tile};
 use lie_scene::Camera;
 use tokio::sync::{Notify, mpsc};
 
 use super::{audit, meter::Meter, stage::Stage};
-use crate::pixels;
+use crate::{once::Once, pixels};
 
 /// A client's frame, shared by its tiles.
 pub(super) struct FrameWork {
@@ -44,13 +45,6 @@ pub(super) struct FrameWork {
     pub(super) overflow: Arc<Notify>,
 }
 
-impl FrameWork {
-    fn complain(&self, not_done: &str, tile: Tile) {
-        let complain = || tracing::error!("tile {tile:?} could not be {not_done}");
-        self.span.in_scope(complain);
-    }
-}
-
 /// One tile to render.
 pub(super) struct Job {
     pub(super) frame: Arc<FrameWork>,
@@ -69,6 +63,8 @@ struct Queue {
     state: Mutex<State>,
     news: Condvar,
     meter: Arc<Meter>,
+    /// What tiles could not be rendered for last.
+    complaint: Mutex<Once>,
 }
 
 #[derive(Default)]
@@ -126,6 +122,25 @@ impl Queue {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Logs why something could not be done with a tile, once for as long as the reason is the same: a tile
+    /// that cannot be rendered is asked for again and again.
+    fn complain(&self, job: &Job, not_done: &str, reason: &str) {
+        let complaint = self.complaint.lock();
+        let mut complaint = complaint.unwrap_or_else(PoisonError::into_inner);
+        let (tile, line) = (
+            job.tile,
+            format!("a tile could not be {not_done}: {reason}"),
+        );
+        let complain = || {
+            if complaint.is_news(&line) {
+                tracing::error!("{line} ({tile:?})");
+            } else {
+                tracing::debug!("{line} ({tile:?})");
+            }
+        };
+        job.frame.span.in_scope(complain);
+    }
+
     /// Waits for a job; `None` when there will be none.
     fn next(&self) -> Option<Job> {
         let idle = |state: &mut State| state.jobs.is_empty() && !state.closed;
@@ -155,10 +170,19 @@ fn work(queue: &Queue, audit: f32) {
                     let tell = || tracing::trace!(tile, "a tile is done");
                     job.frame.span.in_scope(tell);
                 }
-                deliver(&job.frame, done);
+                deliver(&job.frame, ShaderToClient::TileDone(done));
             }
             Ok(None) => {}
-            Err(_) => job.frame.complain("rendered", job.tile),
+            Err(panic) => {
+                let reason = reason(&*panic);
+                queue.complain(&job, "rendered", reason);
+                let failed = TileFailed {
+                    frame: job.frame.number,
+                    tile: job.request.tile,
+                    reason: Text::new(reason),
+                };
+                deliver(&job.frame, ShaderToClient::TileFailed(failed));
+            }
         }
         job.frame.outstanding.fetch_sub(1, Ordering::Relaxed);
         drop(busy);
@@ -176,12 +200,19 @@ fn work(queue: &Queue, audit: f32) {
                 let found = audit::check(stage, camera, settings, *tile, audit, frame.number);
                 queue.meter.audited(found);
             }));
-            if checked.is_err() {
-                job.frame.complain("checked", job.tile);
+            if let Err(panic) = checked {
+                queue.complain(&job, "checked", reason(&*panic));
             }
         }
         free = Instant::now();
     }
+}
+
+/// What a thread said when it panicked.
+fn reason(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("it panicked without a word")
 }
 
 /// Renders and packs a tile, before which its thread had nothing to do for so long.
@@ -242,13 +273,11 @@ fn cost(stats: &RenderStats) -> WireCost {
 }
 
 /// Never waits: the box has room for what a client that keeps up can have asked for.
-fn deliver(frame: &FrameWork, done: TileDone) {
+fn deliver(frame: &FrameWork, message: ShaderToClient) {
     if frame.cancelled.load(Ordering::Relaxed) {
         return;
     }
-    if let Err(mpsc::error::TrySendError::Full(_)) =
-        frame.outbox.try_send(ShaderToClient::TileDone(done))
-    {
+    if let Err(mpsc::error::TrySendError::Full(_)) = frame.outbox.try_send(message) {
         frame.overflow.notify_one();
     }
 }

@@ -1,3 +1,5 @@
+mod panics;
+
 use lie_protocol::{
     BeginFrame, ClientToShader, Compression, ConstructorToShader as Out, LieDelta, PixelFormat,
     SceneChunk, SceneReady, ShaderToClient, ShaderToConstructor as In, ShaderWelcome, WireBody,

@@ -427,6 +427,13 @@ pub(crate) fn shader_to_client() -> impl Strategy<Value = ShaderToClient> {
             })
         }),
         tile.prop_map(M::TileDone),
+        (any::<u64>(), any::<u32>(), text()).prop_map(|(frame, tile, reason)| {
+            M::TileFailed(TileFailed {
+                frame,
+                tile,
+                reason,
+            })
+        }),
     ]
 }
 

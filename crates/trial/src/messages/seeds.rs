@@ -239,6 +239,12 @@ impl Seeds {
                 self.add(way, ShaderToClient::TileDone(TileDone { report, pixels }));
             }
         }
+        let failed = TileFailed {
+            frame: 5,
+            tile: 1,
+            reason: Text::new("index out of bounds: the len is 3 but the index is 3"),
+        };
+        self.add(way, ShaderToClient::TileFailed(failed));
     }
 
     fn status(&mut self, fixture: &Fixture) {

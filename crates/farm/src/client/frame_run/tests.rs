@@ -1,5 +1,7 @@
 use glam::{UVec2, Vec3};
-use lie_protocol::{Compression, PixelFormat, TileReport, WireCost, WireIntegrator};
+use lie_protocol::{
+    Compression, PixelFormat, Text, TileFailed, TileReport, WireCost, WireIntegrator,
+};
 use tokio_util::sync::CancellationToken;
 
 use super::*;
@@ -88,6 +90,43 @@ fn only_what_was_asked_for_and_is_possible_stays_on_the_film() {
     assert!(!second.cut.is_cancelled());
     assert!(film.radiance().iter().all(|&pixel| pixel == Vec3::ONE));
     run.take(2, &done(3, &[Vec3::ONE]), &mut film);
+    assert!(second.cut.is_cancelled(), "there is no fourth tile");
+}
+
+#[test]
+fn a_tile_fails_the_frame_after_three_failures_and_none_that_does_not_concern_it_counts() {
+    let (request, config) = (request(), ClientConfig::new("here:2", Exposure::Loopback));
+    let mut standings = Standings::default();
+    let mut run = FrameRun::new(1, &request, &config, &mut standings).unwrap();
+    let ((first, _asked_first), (second, _asked_second)) = (link(), link());
+    run.join(1, first);
+    run.join(2, second.clone());
+    let failed = |tile| TileFailed {
+        frame: 1,
+        tile,
+        reason: Text::new("a mishap"),
+    };
+    run.assign();
+    let tile = (0..3).find(|&tile| run.scheduler.wants(tile, 1)).unwrap();
+    // It was never asked for this one.
+    for _ in 0..5 {
+        run.fail(2, &failed(tile)).unwrap();
+    }
+    for shader in [1, 2] {
+        run.lose(3 - shader);
+        run.assign();
+        assert!(run.scheduler.wants(tile, shader));
+        run.fail(shader, &failed(tile)).unwrap();
+        if shader == 1 {
+            run.scheduler.joined(2, 4);
+        }
+    }
+    run.assign();
+    assert!(run.scheduler.wants(tile, 2), "there is nobody else");
+    let error = run.fail(2, &failed(tile)).unwrap_err();
+    assert!(matches!(error, ClientError::Tile { number, .. } if number == tile));
+    assert_eq!(error.to_string().matches("a mishap").count(), 3);
+    run.fail(2, &failed(3)).unwrap();
     assert!(second.cut.is_cancelled(), "there is no fourth tile");
 }
 
