@@ -96,8 +96,8 @@ fn only_what_was_asked_for_and_is_possible_stays_on_the_film() {
 #[test]
 fn a_tile_fails_the_frame_after_three_failures_and_none_that_does_not_concern_it_counts() {
     let (request, config) = (request(), ClientConfig::new("here:2", Exposure::Loopback));
-    let mut standings = Standings::default();
-    let mut run = FrameRun::new(1, &request, &config, &mut standings).unwrap();
+    let mut memory = Memory::default();
+    let mut run = FrameRun::new(1, &request, &config, &mut memory, 0).unwrap();
     let ((first, _asked_first), (second, _asked_second)) = (link(), link());
     run.join(1, first);
     run.join(2, second.clone());

@@ -70,6 +70,7 @@ async fn constructor(hash: lie_protocol::SceneHash, shaders: &[String]) -> Strin
         address: Text::new(address),
         threads: 1,
         ready: true,
+        replays: false,
     };
     let shaders = shaders.iter().enumerate().map(entry).collect();
     tokio::spawn(async move {
