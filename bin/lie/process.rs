@@ -9,6 +9,7 @@ use std::{
 use clap::Args;
 use lie_farm::{
     client::ClientError,
+    discovery::{DiscoveryError, Wanted},
     network::{Exposure, NetworkError},
     secure::{Bundle, Cluster},
 };
@@ -122,6 +123,17 @@ pub(crate) fn address(text: &str) -> Result<String, String> {
     Ok(text.to_owned())
 }
 
+/// Parses `host:port`, or `mdns` and `mdns:NAME` for a constructor that says where it is.
+pub(crate) fn constructor_address(text: &str) -> Result<String, String> {
+    match Wanted::parse(text) {
+        Some(wanted) => wanted.map_err(|error| error.to_string())?,
+        None => {
+            return address(text).map_err(|expected| format!("{expected}, or mdns, or mdns:NAME"));
+        }
+    };
+    Ok(text.to_owned())
+}
+
 /// Parses `port` or `host:port`.
 fn metrics_address(text: &str) -> Result<String, String> {
     match text.parse::<u16>() {
@@ -144,7 +156,16 @@ pub(crate) fn runtime() -> anyhow::Result<Runtime> {
 pub(crate) fn network_failure(error: NetworkError) -> anyhow::Error {
     match error {
         NetworkError::Address { .. } | NetworkError::NotLoopback(_) => usage(error).into(),
+        NetworkError::Discovery(error) => discovery_failure(error),
         other => other.into(),
+    }
+}
+
+/// The same where a constructor is announced or looked for.
+pub(crate) fn discovery_failure(error: DiscoveryError) -> anyhow::Error {
+    match error {
+        DiscoveryError::Nobody(_) | DiscoveryError::Failed(_) => error.into(),
+        other => usage(other).into(),
     }
 }
 
@@ -256,6 +277,23 @@ mod tests {
         }
         for wrong in ["", "7400", ":7400", "host:", "host:99999", "::1:7400"] {
             assert!(address(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn constructors_may_be_found_by_name() {
+        for right in ["mdns", "mdns:stage", "127.0.0.1:7400", "mdns.:7400"] {
+            assert_eq!(constructor_address(right).as_deref(), Ok(right));
+        }
+        for (wrong, piece) in [
+            ("mdns:a b", "letters"),
+            ("mdns:", "letters"),
+            ("node", "mdns:NAME"),
+        ] {
+            assert!(
+                constructor_address(wrong).unwrap_err().contains(piece),
+                "{wrong}"
+            );
         }
     }
 

@@ -11,9 +11,11 @@ use glam::UVec2;
 use lie_farm::{
     ConstructSettings, View,
     constructor::{self, ConstructorConfig, Freeze, Prepared},
-    network::Ports,
+    discovery::{Announcement, Name},
+    network::{Exposure, Ports},
 };
 use lie_scene::Scene;
+use tokio::net::TcpListener;
 
 use super::render::Construction;
 use crate::{
@@ -32,6 +34,10 @@ pub(crate) struct Constructor {
     /// Where to take shaders and clients; port 0 is any free one.
     #[arg(long, default_value = "127.0.0.1:7400", value_parser = process::address, env = "LIE_LISTEN", value_name = "ADDR")]
     listen: String,
+    /// Say on the local network, by multicast DNS, that a constructor of this name is here, so that
+    /// `--constructor mdns:NAME` finds it; the machine's name by default. Who connects has to have the bundle all the same.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "", value_name = "NAME")]
+    announce: Option<String>,
     /// Threads that construct; 0 is one for each core.
     #[arg(long, default_value_t = 0, value_name = "N")]
     threads: usize,
@@ -91,6 +97,24 @@ impl Frozen {
     }
 }
 
+/// What is to be said on the local network, if anything.
+fn announcement(
+    arguments: &Constructor,
+    listener: &TcpListener,
+    exposure: &Exposure,
+) -> anyhow::Result<Option<Announcement>> {
+    let Some(name) = &arguments.announce else {
+        return Ok(None);
+    };
+    let name = match name.as_str() {
+        "" => Ok(Name::of_this_machine()),
+        name => Name::new(name),
+    };
+    let at = listener.local_addr()?;
+    let announcement = name.and_then(|name| Announcement::new(&name, at, exposure));
+    announcement.map(Some).map_err(process::discovery_failure)
+}
+
 pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
     let lies = arguments.lies.file()?;
     let exposure = arguments.network.exposure()?;
@@ -107,6 +131,7 @@ pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
         farm: process::listen(&runtime, &arguments.listen, &exposure)?,
         metrics: arguments.monitoring.listen(&runtime)?,
     };
+    let announcement = announcement(arguments, &ports.farm, &exposure)?;
 
     let scene = args::load_scene(&arguments.scene)?;
     let freeze = arguments.frozen.freeze.then(|| {
@@ -131,6 +156,7 @@ pub(crate) fn execute(arguments: &Constructor) -> anyhow::Result<()> {
     has_to_save.store(config.lies.is_some(), Ordering::Relaxed);
 
     process::announce(&ports.farm)?;
+    let _announced = announcement.map(Announcement::start).transpose()?;
     runtime.block_on(constructor::run(config, prepared, ports, shutdown))?;
     runtime.shutdown_background();
     Ok(())

@@ -23,8 +23,9 @@ use crate::{
 /// error. The constructor may come later than the shader, go, and come back.
 #[derive(Args)]
 pub(crate) struct Shader {
-    /// Where the constructor is.
-    #[arg(long, value_parser = process::address, env = "LIE_CONSTRUCTOR", value_name = "ADDR")]
+    /// Where the constructor is: HOST:PORT; or `mdns:NAME`, or `mdns` for the only one, to find
+    /// one on the local network that was started with `--announce`.
+    #[arg(long, value_parser = process::constructor_address, env = "LIE_CONSTRUCTOR", value_name = "ADDR")]
     constructor: String,
     /// Where to take clients; by default any free port, on this machine alone, or on all
     /// networks with `--bundle` or `--insecure`.

@@ -25,8 +25,9 @@ use crate::process::{self, Network};
 /// themselves.
 #[derive(Args)]
 pub(crate) struct Status {
-    /// Where the constructor listens.
-    #[arg(long, value_parser = process::address, env = "LIE_CONSTRUCTOR", value_name = "ADDR")]
+    /// Where the constructor listens: HOST:PORT; or `mdns:NAME`, or `mdns` for the only one, to find
+    /// one on the local network that was started with `--announce`.
+    #[arg(long, value_parser = process::constructor_address, env = "LIE_CONSTRUCTOR", value_name = "ADDR")]
     constructor: String,
     /// Ask again every so many seconds, until interrupted.
     #[arg(long, num_args = 0..=1, default_missing_value = "1", value_parser = interval, value_name = "SECONDS")]

@@ -10,8 +10,9 @@ use crate::process::{self, Network};
 /// Without a window: there is none yet. Frames go to `--out`, times and counts to `--stats`.
 #[derive(Args)]
 pub(crate) struct View {
-    /// Where the constructor listens.
-    #[arg(long, value_parser = process::address, env = "LIE_CONSTRUCTOR", value_name = "ADDR")]
+    /// Where the constructor listens: HOST:PORT; or `mdns:NAME`, or `mdns` for the only one, to find
+    /// one on the local network that was started with `--announce`.
+    #[arg(long, value_parser = process::constructor_address, env = "LIE_CONSTRUCTOR", value_name = "ADDR")]
     constructor: String,
     /// Wait for so many shaders before the first frame; more are used as they come.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024), value_name = "N")]

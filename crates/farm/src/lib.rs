@@ -9,7 +9,7 @@
 //!   [`cache`] bring the scene to the shaders; [`snapshot`] keeps LIEs over restarts.
 //! * [`connection`], [`handshake`], [`network`] and [`outbox`] are what every connection
 //!   has: nothing above them knows that it is TCP. [`secure`] is who belongs to a cluster,
-//!   and mutual TLS between those who do.
+//!   and mutual TLS between those who do. [`discovery`] finds a constructor on a local network.
 //! * [`Builder`] constructs LIEs, [`LieReplica`] is a shader's copy of them, and
 //!   [`inspect::inspect`] says of one pixel what they know and what they make of it.
 //!
@@ -33,6 +33,7 @@ pub mod connection;
 mod construct;
 pub mod constructor;
 pub mod convert;
+pub mod discovery;
 mod file;
 pub mod handshake;
 pub mod inspect;

@@ -12,6 +12,7 @@ use tokio::{
 
 use crate::{
     connection::HANDSHAKE_DEADLINE,
+    discovery::{self, DiscoveryError, Wanted},
     secure::{Cluster, HandshakeFailure, Stream},
 };
 
@@ -62,6 +63,9 @@ pub enum NetworkError {
         /// What is in the way.
         cause: HandshakeFailure,
     },
+    /// There is no address yet.
+    #[error(transparent)]
+    Discovery(#[from] DiscoveryError),
     /// The address is not on this machine, and nothing allows that.
     #[error(
         "{0} is not a loopback address; without a cluster's bundle connections are neither \
@@ -115,8 +119,17 @@ pub async fn bind(address: &str, exposure: &Exposure) -> Result<TcpListener, Net
 /// # Errors
 /// [`NetworkError`], in one line.
 pub async fn dial(address: &str, exposure: &Exposure) -> Result<Stream, NetworkError> {
+    let resolved = resolve(address, exposure).await?;
+    dial_any(address, resolved, exposure).await
+}
+
+async fn dial_any(
+    address: &str,
+    resolved: Vec<SocketAddr>,
+    exposure: &Exposure,
+) -> Result<Stream, NetworkError> {
     let mut last = None;
-    for resolved in resolve(address, exposure).await? {
+    for resolved in resolved {
         let connecting = timeout(HANDSHAKE_DEADLINE, connect(resolved, exposure));
         let connected = connecting.await;
         match connected.unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into())) {
@@ -143,6 +156,21 @@ async fn connect(address: SocketAddr, exposure: &Exposure) -> io::Result<Stream>
         Exposure::Cluster(cluster) => cluster.connect(stream).await,
         Exposure::Loopback | Exposure::Insecure => Ok(Stream::Plain(stream)),
     }
+}
+
+/// Connects to a constructor, whose address may also be `mdns` or `mdns:NAME`: then whoever says on the local network
+/// that it is this constructor is dialled, as if it had been named.
+///
+/// # Errors
+/// [`NetworkError`], in one line.
+pub async fn dial_constructor(address: &str, exposure: &Exposure) -> Result<Stream, NetworkError> {
+    let Some(wanted) = Wanted::parse(address) else {
+        return dial(address, exposure).await;
+    };
+    let found = discovery::find(&wanted?, exposure).await?;
+    let first = found.first().map(SocketAddr::to_string);
+    let label = format!("{address} ({})", first.unwrap_or_default());
+    dial_any(&label, found, exposure).await
 }
 
 /// Sets what every connection wants: small messages go at once.

@@ -31,7 +31,7 @@ pub enum StatusError {
 /// # Errors
 /// [`StatusError`], in one line.
 pub async fn ask(address: &str, exposure: &Exposure) -> Result<FarmStatus, StatusError> {
-    let stream = network::dial(address, exposure).await?;
+    let stream = network::dial_constructor(address, exposure).await?;
     let (mut receiver, mut sender) = connection::split(stream);
     let hello = handshake::hello(Role::Observer, 0, 0);
     let cause = match handshake::greet(&mut receiver, &mut sender, hello).await {

@@ -45,7 +45,7 @@ pub(super) async fn open(
     config: &ClientConfig,
     tally: &Tally,
 ) -> Result<(SceneSummary, Link), ClientError> {
-    let stream = network::dial(&config.constructor, &config.exposure).await?;
+    let stream = network::dial_constructor(&config.constructor, &config.exposure).await?;
     let (mut receiver, mut sender) = connection::split(stream);
     let hello = handshake::hello(Role::Client, 0, 0);
     let refused = |cause| ClientError::Constructor {

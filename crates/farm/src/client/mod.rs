@@ -36,7 +36,7 @@ pub use request::{Frame, FrameRequest, FrameStats, ShaderShare};
 /// How a client works.
 #[derive(Clone, Debug)]
 pub struct ClientConfig {
-    /// Where the constructor is, as `host:port`.
+    /// Where the constructor is, as [`network::dial_constructor`](crate::network::dial_constructor) takes it.
     pub constructor: String,
     /// Whom it talks to.
     pub exposure: Exposure,

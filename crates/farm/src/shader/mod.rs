@@ -39,7 +39,7 @@ pub const MAX_CLIENTS: usize = 64;
 /// How a shader works.
 #[derive(Clone, Debug)]
 pub struct ShaderConfig {
-    /// Where the constructor is, as `host:port`.
+    /// Where the constructor is, as [`network::dial_constructor`](crate::network::dial_constructor) takes it.
     pub constructor: String,
     /// Whom it talks to.
     pub exposure: Exposure,

@@ -16,6 +16,7 @@ use super::{
 use crate::{
     LieReplica,
     connection::{self, LinkError, Receiver},
+    discovery::DiscoveryError,
     handshake,
     network::{self, NetworkError},
     once::Once,
@@ -40,7 +41,7 @@ pub(super) async fn keep(
         let mut was_known = false;
         let mut welcome = Welcome::default();
         loop {
-            match network::dial(&config.constructor, &config.exposure).await {
+            match network::dial_constructor(&config.constructor, &config.exposure).await {
                 Ok(stream) => {
                     was_known = true;
                     let ended = session(config, shared, port, stream, &mut welcome).await;
@@ -56,7 +57,10 @@ pub(super) async fn keep(
                     was_known = true;
                     welcome.lost(config, cause.into())?;
                 }
-                Err(error @ NetworkError::Dial { .. }) => {
+                Err(
+                    error @ (NetworkError::Dial { .. }
+                    | NetworkError::Discovery(DiscoveryError::Nobody(_))),
+                ) => {
                     was_known = true;
                     if pause == FIRST_PAUSE {
                         tracing::info!("{error}; trying again until it is there");
@@ -64,8 +68,10 @@ pub(super) async fn keep(
                         tracing::debug!("{error}");
                     }
                 }
-                // A name that was known once may be unknown for a while.
-                Err(error @ NetworkError::Address { .. }) if was_known => {
+                // A name that was known once may be unknown for a while, or another's as well.
+                Err(error @ (NetworkError::Address { .. } | NetworkError::Discovery(_)))
+                    if was_known =>
+                {
                     tracing::debug!("{error}");
                 }
                 Err(error) => return Err(ShaderError::Constructor(error)),
