@@ -17,7 +17,7 @@ use mdns_sd::{
 };
 use tokio::time::{Instant, timeout_at};
 
-use crate::network::Exposure;
+use crate::exposure::Exposure;
 
 /// What constructors are announced as.
 const SERVICE: &str = "_lie._tcp.local.";

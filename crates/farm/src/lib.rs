@@ -34,6 +34,7 @@ mod construct;
 pub mod constructor;
 pub mod convert;
 pub mod discovery;
+mod exposure;
 mod file;
 pub mod handshake;
 pub mod inspect;

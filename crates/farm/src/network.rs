@@ -13,19 +13,10 @@ use tokio::{
 use crate::{
     connection::HANDSHAKE_DEADLINE,
     discovery::{self, DiscoveryError, Wanted},
-    secure::{Cluster, HandshakeFailure, Stream},
+    secure::{HandshakeFailure, Stream},
 };
 
-/// How a process's connections are protected, and which addresses it deals with.
-#[derive(Clone, Debug)]
-pub enum Exposure {
-    /// This machine alone: connections are neither encrypted nor authenticated.
-    Loopback,
-    /// Any address without protection, on the user's explicit word.
-    Insecure,
-    /// Any address, by mutual TLS with processes of one cluster.
-    Cluster(Cluster),
-}
+pub use crate::exposure::Exposure;
 
 /// Why an address cannot be used.
 #[derive(Debug, thiserror::Error)]

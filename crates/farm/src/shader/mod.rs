@@ -4,6 +4,7 @@
 //! and the newest LIEs. The other takes clients (`client_session`), whose tiles a pool of
 //! plain threads renders (`render_pool`) from the stage as it is at that moment.
 
+mod answers;
 mod assembly;
 mod audit;
 mod client_session;

@@ -6,7 +6,7 @@ use lie_protocol::{
 use lie_render::World;
 use tokio::{io::AsyncRead, sync::mpsc, task::spawn_blocking};
 
-use super::ShaderConfig;
+use super::{ShaderConfig, answers};
 use crate::{
     cache::SceneCache,
     connection::{LinkError, Receiver},
@@ -61,7 +61,7 @@ async fn fetch<R: AsyncRead + Unpin>(
         scene: welcome.scene,
         offset: 0,
     };
-    super::upstream::post(outbox, Out::SceneRequest(request))?;
+    answers::post(outbox, Out::SceneRequest(request))?;
     let mut bytes = Vec::new();
     loop {
         match receiver.receive().await? {
@@ -78,7 +78,7 @@ async fn fetch<R: AsyncRead + Unpin>(
             In::SceneReady(_) => {
                 return Err(LinkError::Rules("the scene ended too early".to_owned()));
             }
-            other => super::upstream::answer(other, outbox)?,
+            other => answers::answer(other, outbox)?,
         }
     }
 }

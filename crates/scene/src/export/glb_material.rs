@@ -6,7 +6,7 @@ use glam::Vec3;
 use image::{ImageFormat, RgbaImage};
 use serde_json::{Value, json};
 
-use super::{ExportError, glb::Glb};
+use super::{ExportError, glb_binary::Glb};
 use crate::{AlphaMode, AreaLight, Material, Scene, Texture, TextureRef};
 
 /// Materials, textures and images of a scene.

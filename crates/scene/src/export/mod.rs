@@ -2,6 +2,7 @@
 
 mod emission;
 mod glb;
+mod glb_binary;
 mod glb_material;
 mod obj;
 

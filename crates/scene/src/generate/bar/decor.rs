@@ -5,7 +5,7 @@ use std::f32::consts::{PI, TAU};
 use glam::{Quat, Vec2, Vec3};
 
 use super::{
-    HEIGHT, Site,
+    FANS, HEIGHT, Site,
     joinery::{Front, Panelling},
     model::Model,
     palette::poster,
@@ -23,8 +23,6 @@ use crate::{
     },
 };
 
-/// Middles of the fans, on the floor below them.
-pub(super) const FANS: [Vec3; 2] = [Vec3::new(-3.0, 0.0, 0.75), Vec3::new(3.0, 0.0, 0.75)];
 /// Foot of the palm.
 pub(super) const PALM: Vec3 = Vec3::new(6.35, 0.0, -3.8);
 /// Middle of the piano, on the floor at the wall.

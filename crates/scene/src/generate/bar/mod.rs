@@ -37,6 +37,8 @@ use crate::draft::Draft;
 /// Inside of the room: half its length and half its depth, and its height.
 const HALF: [f32; 2] = [7.0, 4.5];
 const HEIGHT: f32 = 3.6;
+/// Middles of the fans, on the floor below them.
+const FANS: [Vec3; 2] = [Vec3::new(-3.0, 0.0, 0.75), Vec3::new(3.0, 0.0, 0.75)];
 
 /// The whole bar.
 pub(crate) fn draft(parameters: &Bar) -> Draft {

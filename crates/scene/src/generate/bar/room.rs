@@ -164,7 +164,7 @@ impl Site {
             2.0 * x * Vec3::X,
             2.0 * z * Vec3::Z,
         );
-        for fan in super::decor::FANS {
+        for fan in super::FANS {
             let rose = torus(0.16, 0.03, [self.fine(40), self.fine(12)]);
             plaster.add(&rose, glam::Quat::IDENTITY, fan.with_y(HEIGHT));
         }
