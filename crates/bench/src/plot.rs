@@ -1,5 +1,7 @@
 //! Plots, as SVG. No fonts are needed to draw them.
 
+use std::ops::Range;
+
 use plotters::{coord::Shift, prelude::*};
 
 use crate::BenchError;
@@ -139,9 +141,74 @@ pub fn curves(axes: &Axes<'_>, curves: &[Curve]) -> Result<Option<String>, Bench
             let dots = points.map(|point| Circle::new(point, 3, color.filled()));
             chart.draw_series(dots).map_err(failed)?;
         }
-        draw_legend(&mut chart)
+        let corner = Corner::clearest(&curves, &x_range, &y_range);
+        draw_legend(&mut chart, corner)
     })
     .map(Some)
+}
+
+/// Where a legend stands: right or left, and at the top or the bottom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Corner {
+    is_right: bool,
+    is_top: bool,
+}
+
+impl Corner {
+    const TOP_RIGHT: Self = Self {
+        is_right: true,
+        is_top: true,
+    };
+
+    /// The corner where a legend of these curves hides least of them; at the top right, if that is as good
+    /// as others.
+    fn clearest(curves: &[Curve], x_range: &Range<f64>, y_range: &Range<f64>) -> Self {
+        let share = |value: f64, range: &Range<f64>| {
+            (value / range.start).log10() / (range.end / range.start).log10()
+        };
+        let place = |&(x, y): &(f64, f64)| [share(x, x_range), share(y, y_range)];
+        let places = |curve: &Curve| curve.points.iter().map(place).collect::<Vec<_>>();
+        let drawn: Vec<[f64; 2]> = curves.iter().flat_map(|it| along(&places(it))).collect();
+        let corners = [(true, true), (false, true), (true, false), (false, false)];
+        let corners = corners.map(|(is_right, is_top)| Self { is_right, is_top });
+        let hides = |corner: &Self| drawn.iter().filter(|&&at| corner.hides(at)).count();
+        corners
+            .into_iter()
+            .min_by_key(hides)
+            .unwrap_or(Self::TOP_RIGHT)
+    }
+
+    /// Whether the legend stands before a place, in shares of the plot's width and height.
+    fn hides(self, [x, y]: [f64; 2]) -> bool {
+        /// About what names and their colours take.
+        const SIZE: [f64; 2] = [0.4, 0.3];
+        let across = if self.is_right { 1.0 - x } else { x };
+        let down = if self.is_top { 1.0 - y } else { y };
+        across < SIZE[0] && down < SIZE[1]
+    }
+
+    fn position(self) -> SeriesLabelPosition {
+        match (self.is_right, self.is_top) {
+            (true, true) => SeriesLabelPosition::UpperRight,
+            (false, true) => SeriesLabelPosition::UpperLeft,
+            (true, false) => SeriesLabelPosition::LowerRight,
+            (false, false) => SeriesLabelPosition::LowerLeft,
+        }
+    }
+}
+
+/// Places along a curve: its own, and some on the lines between them.
+fn along(places: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    const STEPS: usize = 16;
+    let between = |pair: &[[f64; 2]]| {
+        let ([x0, y0], [x1, y1]) = (pair[0], pair[1]);
+        (0..STEPS).map(move |step| {
+            let share = step as f64 / STEPS as f64;
+            [x0 + share * (x1 - x0), y0 + share * (y1 - y0)]
+        })
+    };
+    let lines = places.windows(2).flat_map(between);
+    lines.chain(places.iter().copied()).collect()
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -210,11 +277,12 @@ fn draw_bars(
             .label(*name)
             .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled()));
     }
-    draw_legend(&mut chart)
+    draw_legend(&mut chart, Corner::TOP_RIGHT)
 }
 
 fn draw_legend<'a, X, Y>(
     chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>,
+    corner: Corner,
 ) -> Result<(), BenchError>
 where
     X: Ranged<ValueType = f64>,
@@ -222,7 +290,7 @@ where
 {
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(corner.position())
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.3))
         .draw()
@@ -231,7 +299,7 @@ where
 
 /// The range of some values, widened to whole decades so that it is never empty, and a hair
 /// more: a decade that is the edge itself may lose its label to rounding.
-fn decades(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
+fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (min, max) = values.fold((f64::MAX, f64::MIN_POSITIVE), |(min, max), value| {
         (min.min(value), max.max(value))
     });
@@ -280,6 +348,26 @@ mod tests {
         assert_eq!(curves(&AXES, &[curve(&points[..1])]).unwrap(), None);
         assert_eq!(curves(&AXES, &[]).unwrap(), None);
         assert!(curves(&AXES, &[curve(&[(1.0, 1.0)])]).unwrap().is_some());
+    }
+
+    #[test]
+    fn a_legend_stands_where_no_curve_runs() {
+        let corner = |curves: &[Curve]| Corner::clearest(curves, &(1.0..1000.0), &(1.0..1000.0));
+        let along_the_top = curve(&[(1.0, 990.0), (990.0, 500.0)]);
+        let rising = curve(&[(1.0, 1.0), (990.0, 990.0)]);
+        let falling = curve(&[(1.0, 990.0), (990.0, 1.0)]);
+        let is_bottom_right = Corner {
+            is_right: true,
+            is_top: false,
+        };
+        assert_eq!(corner(std::slice::from_ref(&falling)), Corner::TOP_RIGHT);
+        assert_eq!(
+            corner(std::slice::from_ref(&along_the_top)),
+            is_bottom_right
+        );
+        assert_eq!(corner(&[along_the_top, rising]), is_bottom_right);
+        // Of a line between two far places as well.
+        assert!(!corner(&[falling]).hides([0.1, 0.9]));
     }
 
     #[test]
