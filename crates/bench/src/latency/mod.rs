@@ -2,7 +2,10 @@
 
 mod show;
 
-use std::time::{Duration, Instant};
+use std::{
+    panic::resume_unwind,
+    time::{Duration, Instant},
+};
 
 use lie_farm::{
     client::{Client, ClientError, FrameRequest},
@@ -127,8 +130,10 @@ pub async fn measure(
         }
     };
     steer(client, newest, &steering, show).await?;
-    // It does not panic; if it did, nothing was put in.
-    let put_in = hand.await.unwrap_or_default();
+    // Nobody calls it off: if it fails, it has panicked.
+    let put_in = hand
+        .await
+        .unwrap_or_else(|error| resume_unwind(error.into_panic()));
     let mut stages: Vec<StageTimes> = STAGES
         .iter()
         .map(|(stage, time)| StageTimes::of(stage, ways.iter().map(time)))

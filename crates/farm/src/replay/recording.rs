@@ -1,5 +1,6 @@
 use std::{
-    fs,
+    fs::File,
+    io::{self, Read},
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -13,6 +14,9 @@ const FORMAT: u32 = 1;
 
 /// Longest time of a tile, in microseconds: an hour.
 const LONGEST_US: f64 = 3.6e9;
+
+/// Longest file, in bytes: some ten times what the largest frame's smallest tiles take.
+const LONGEST_FILE: u64 = 256 << 20;
 
 /// What the tiles of one frame cost on one thread of some machine, cut in several ways. A JSON file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -159,7 +163,7 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`], with the file and the place in it.
     pub fn read(path: &Path) -> Result<Self, RecordingError> {
-        let bytes = fs::read(path).map_err(|cause| RecordingError::Read {
+        let bytes = read_within(path, LONGEST_FILE).map_err(|cause| RecordingError::Read {
             path: path.to_owned(),
             cause,
         })?;
@@ -272,8 +276,21 @@ impl Recording {
     }
 }
 
+/// A file of at most so many bytes.
+fn read_within(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = vec![];
+    File::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
+        let longer = format!("it is longer than {limit} bytes");
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, longer));
+    }
+    Ok(bytes)
+}
+
 #[cfg(test)]
 pub(super) mod tests {
+    use std::fs;
+
     use super::*;
 
     /// Of a frame of three by two tiles of two pixels, the last ones cut off, and of all of it.
@@ -348,5 +365,17 @@ pub(super) mod tests {
             assert!(Recording::read(&path).is_err(), "{text}");
         }
         assert!(Recording::read(folder.path()).is_err());
+    }
+
+    #[test]
+    fn no_more_of_a_file_is_read_than_a_recording_may_have() {
+        let home = tempfile::tempdir().unwrap();
+        let path = home.path().join("file");
+        fs::write(&path, b"12345").unwrap();
+        assert_eq!(read_within(&path, 5).unwrap(), b"12345");
+        let error = read_within(&path, 4).unwrap_err();
+        assert!(error.to_string().contains("longer than 4 bytes"));
+        #[cfg(unix)]
+        assert!(read_within(Path::new("/dev/zero"), 1000).is_err());
     }
 }

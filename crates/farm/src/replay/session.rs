@@ -1,7 +1,7 @@
 use std::{
     sync::{
         Arc,
-        atomic::{AtomicBool, AtomicU64, Ordering},
+        atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering},
     },
     time::{Duration, Instant},
 };
@@ -26,8 +26,10 @@ use crate::{
     serve::Caller,
 };
 
-/// Tiles that may wait for a client that takes them slowly.
-const OUTBOX: usize = 64;
+/// Tiles of a frame that a client may ask for at once.
+const OUTSTANDING: u32 = 64;
+/// Messages that may wait for a client that takes them slowly.
+const OUTBOX: usize = 2 * OUTSTANDING as usize;
 
 /// The two colours of a replay's pixels: nobody takes a chequered frame for a picture.
 const COLOURS: [Vec3; 2] = [Vec3::new(1.0, 0.0, 1.0), Vec3::ZERO];
@@ -86,6 +88,7 @@ struct Frame {
     begun: Instant,
     format: PixelFormat,
     cancelled: AtomicBool,
+    outstanding: AtomicU32,
     outbox: mpsc::Sender<Out>,
     overflow: Arc<Notify>,
 }
@@ -131,12 +134,16 @@ impl Session<'_> {
         if begin.frame < self.newest.load(Ordering::Relaxed) {
             return Err(rules("the frames' numbers go back"));
         }
+        if self.frame.as_ref().is_some_and(|f| f.number == begin.frame) {
+            return Err(rules("a frame is begun twice"));
+        }
         self.void_before(begin.frame);
         self.frame = Some(Arc::new(Frame {
             number: begin.frame,
             begun: Instant::now(),
             format: begin.format,
             cancelled: AtomicBool::new(false),
+            outstanding: AtomicU32::new(0),
             outbox: self.outbox.clone(),
             overflow: self.overflow.clone(),
         }));
@@ -151,6 +158,9 @@ impl Session<'_> {
         let frame = frame.ok_or_else(|| rules("a tile of a frame that was not begun"))?;
         let cost = self.shader.recording.cost(&request);
         let cost = cost.ok_or_else(|| rules("a tile whose cost was not recorded"))?;
+        if frame.outstanding.fetch_add(1, Ordering::Relaxed) >= OUTSTANDING {
+            return Err(rules("more tiles at once than there are credits"));
+        }
         let job = TileJob {
             shader: self.shader.clone(),
             frame: frame.clone(),
@@ -206,6 +216,7 @@ impl Job for TileJob {
         };
         let [width, height] = self.request.size;
         let pixels = chequered(width, height, self.frame.format);
+        self.frame.outstanding.fetch_sub(1, Ordering::Relaxed);
         self.shader.tiles.add(1);
         self.shader.render_ns.add(cost.render_ns);
         let done = Out::TileDone(TileDone { report, pixels });
